@@ -1,0 +1,98 @@
+// A rig's side of the service: makes sessions, streams frames in and takes fitted control vertices
+// out.
+//
+//   auto client = FitClient::Connect({.address = "rig:50051"});
+//   auto session = client->CreateSession(request);
+//   auto stream = client->OpenStream(session->session_id());
+//   thread A: stream->Send(frame) ...; stream->CloseSending();
+//   thread B: while (auto frame = stream->Receive(); frame.ok() && frame->has_value()) { ... }
+#ifndef CAGEFIT_CLIENT_FIT_CLIENT_H_
+#define CAGEFIT_CLIENT_FIT_CLIENT_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "cagefit/v1/fitting.pb.h"
+#include "core/base/types.h"
+#include "core/mesh/control_mesh.h"
+
+namespace cagefit::client {
+
+struct ClientOptions {
+  std::string address;  // HOST:PORT or unix:PATH
+  absl::Duration connect_timeout = absl::Seconds(5);
+};
+
+struct OutgoingFrame {
+  std::string draco;
+  uint64_t sequence_number = 0;
+  uint64_t point_count = 0;  // 0: not stated
+  std::optional<absl::Time> timestamp;
+};
+
+struct FittedFrame {
+  v1::FrameReply reply;       // its delta is already applied
+  Points3d control_vertices;  // 3 x n, user units: the state after this frame; unchanged by a
+                              // rejected one
+  absl::Status status;        // the reply's error as a status; OK when fitted
+};
+
+// One FitFrames stream. Send and CloseSending from one thread, Receive from another, Cancel from
+// any.
+class FrameStream {
+ public:
+  ~FrameStream();  // cancels what is still running
+
+  uint64_t next_sequence_number() const;  // as the server said when the stream opened
+
+  // Blocks while the server does not read (back-pressure). An error means that the stream has
+  // ended; Receive says why.
+  absl::Status Send(const OutgoingFrame& frame);
+  absl::Status CloseSending();
+
+  // The next reply in frame order; nullopt once the server has answered everything and ended the
+  // stream with OK. DATA_LOSS when a delta does not reproduce the server's checksum.
+  absl::StatusOr<std::optional<FittedFrame>> Receive();
+
+  void Cancel();
+
+ private:
+  friend class FitClient;
+  struct Call;
+  explicit FrameStream(std::unique_ptr<Call> call);
+  std::unique_ptr<Call> call_;
+};
+
+// Thread-safe.
+class FitClient {
+ public:
+  // UNAVAILABLE, naming the address, when nobody answers within the time-out.
+  static absl::StatusOr<std::unique_ptr<FitClient>> Connect(const ClientOptions& options);
+  ~FitClient();
+
+  // Streams the request when it is too large for one message.
+  absl::StatusOr<v1::Session> CreateSession(const v1::CreateSessionRequest& request);
+  absl::StatusOr<v1::Session> GetSession(const std::string& session_id);
+  absl::StatusOr<std::vector<v1::Session>> ListSessions();  // all pages
+  absl::Status DeleteSession(const std::string& session_id);
+
+  absl::StatusOr<ControlMesh> GetControlMesh(const v1::GetControlMeshRequest& request);
+  absl::StatusOr<std::string> GetSurface(const v1::GetSurfaceRequest& request);  // Draco mesh
+
+  absl::StatusOr<std::unique_ptr<FrameStream>> OpenStream(const std::string& session_id);
+
+ private:
+  struct Connection;
+  explicit FitClient(std::unique_ptr<Connection> connection);
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace cagefit::client
+
+#endif  // CAGEFIT_CLIENT_FIT_CLIENT_H_

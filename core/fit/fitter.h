@@ -1,0 +1,65 @@
+// Fits one control mesh to frame after frame. Everything that depends on connectivity is built
+// once, in Create.
+#ifndef CAGEFIT_CORE_FIT_FITTER_H_
+#define CAGEFIT_CORE_FIT_FITTER_H_
+
+#include <functional>
+#include <memory>
+
+#include "absl/status/statusor.h"
+#include "core/base/cancel.h"
+#include "core/cloud/point_cloud.h"
+#include "core/fit/fit_options.h"
+#include "core/fit/normalization.h"
+#include "core/mesh/control_mesh.h"
+
+namespace cagefit {
+
+// Terms of the energy, already weighted; evaluated in normalised coordinates, dimensionless.
+struct Energies {
+  double distance = 0;  // E_dist
+  double arap = 0;      // alpha E_reg
+  double total() const { return distance + arap; }
+};
+
+struct FitSummary {
+  Energies initial, final;
+  int iterations = 0;      // solver steps tried
+  bool converged = false;  // relative decrease met before the iteration limit
+  double radius = 0;       // h, user units
+  double radius_in_spacings = 0;
+  int grown_samples = 0;  // samples whose radius was doubled at least once, last iteration
+  int far_samples = 0;    // samples beyond the far radius, last iteration
+  double index_ms = 0, solve_ms = 0;  // by the caller's clock; 0 without one
+};
+
+// Reads milliseconds; core has no clock of its own. May be empty.
+using ClockFn = std::function<double()>;
+
+// Not thread-safe; one user at a time. Buffers are kept from frame to frame.
+class Fitter {
+ public:
+  // `template_mesh` in user units; `normalization` is that of the session's first target.
+  static absl::StatusOr<Fitter> Create(const ControlMesh& template_mesh,
+                                       const Normalization& normalization,
+                                       const FitOptions& options);
+  ~Fitter();
+  Fitter(Fitter&&) noexcept;
+  Fitter& operator=(Fitter&&) noexcept;
+
+  // Fits to `target` (validated, with normals; user units) starting from `start` (3 x n, user
+  // units) and writes the fitted control vertices (3 x n, user units) to `*fitted`. A pure function
+  // of Create's arguments, `start` and `target`. CANCELLED within one solver step; INTERNAL when
+  // the fit diverged (not finite). On error *fitted is unchanged.
+  absl::StatusOr<FitSummary> Fit(const PointCloud& target, const Points3d& start,
+                                 const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted);
+
+ private:
+  struct State;
+  explicit Fitter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cagefit
+
+#endif  // CAGEFIT_CORE_FIT_FITTER_H_

@@ -1,0 +1,45 @@
+// Makes a control mesh from a triangle mesh or from a cloud. The only part of core that links
+// Open3D.
+#ifndef CAGEFIT_CORE_TEMPLATE_TEMPLATE_MAKER_H_
+#define CAGEFIT_CORE_TEMPLATE_TEMPLATE_MAKER_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/cloud/point_cloud.h"
+#include "core/mesh/control_mesh.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace cagefit {
+
+struct TemplateOptions {
+  int32_t vertices = 2000;  // control vertices wanted; the result is within 1 %. 4 to 1,000,000
+
+  absl::Status Validate() const;
+};
+
+// What was done on the way, for the log.
+struct TemplateReport {
+  int64_t input_vertices = 0;
+  int32_t components_kept = 0, components_dropped = 0;
+  int32_t boundary_loops = 0;
+  int32_t repaired_edges = 0, repaired_vertices = 0;
+};
+
+// Quadric edge collapse [garland1997] to the requested count, open boundaries kept. The result is
+// edge- and vertex-manifold with interior valence 3 or more. INVALID_ARGUMENT for a bad option or
+// unusable input, FAILED_PRECONDITION naming the step when no valid control mesh of that size came
+// out.
+absl::StatusOr<ControlMesh> TemplateFromMesh(const TriangleMesh& mesh,
+                                             const TemplateOptions& options,
+                                             TemplateReport* report);
+
+// Screened Poisson reconstruction [kazhdan2013], trimmed where there were no points (an open
+// surface stays open), then TemplateFromMesh. The cloud needs normals (EstimateNormals).
+absl::StatusOr<ControlMesh> TemplateFromCloud(const PointCloud& cloud,
+                                              const TemplateOptions& options,
+                                              TemplateReport* report);
+
+}  // namespace cagefit
+
+#endif  // CAGEFIT_CORE_TEMPLATE_TEMPLATE_MAKER_H_
