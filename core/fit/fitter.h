@@ -9,18 +9,12 @@
 #include "absl/status/statusor.h"
 #include "core/base/cancel.h"
 #include "core/cloud/point_cloud.h"
+#include "core/fit/energies.h"
 #include "core/fit/fit_options.h"
 #include "core/fit/normalization.h"
 #include "core/mesh/control_mesh.h"
 
 namespace cagefit {
-
-// Terms of the energy, already weighted; evaluated in normalised coordinates, dimensionless.
-struct Energies {
-  double distance = 0;  // E_dist
-  double arap = 0;      // alpha E_reg
-  double total() const { return distance + arap; }
-};
 
 struct FitSummary {
   Energies initial, final;

@@ -1,0 +1,113 @@
+#include "core/energy/distance_term.h"
+
+#include <algorithm>
+
+#include "core/base/parallel.h"
+#include "core/cloud/imls.h"
+
+namespace cagefit {
+
+namespace {
+
+constexpr int64_t kGrain = 512;  // samples a chunk: some 0.2 ms
+
+}  // namespace
+
+void DistanceTerm::SetTarget(const TargetIndex* target, double far_radius,
+                             int64_t control_vertices) {
+  target_ = target;
+  far_radius_ = far_radius;
+  control_vertices_ = control_vertices;
+  assignments_.clear();
+}
+
+double DistanceTerm::Assign(const Points3d& Q, std::vector<SampleResiduals>* residuals) {
+  const bool evaluated = static_cast<int64_t>(residuals->size()) == Q.cols() &&
+                         static_cast<int64_t>(assignments_.size()) == Q.cols();
+  weight_ = static_cast<double>(control_vertices_) / static_cast<double>(Q.cols());
+  assignments_.resize(Q.cols());
+  residuals->resize(Q.cols());
+  return weight_ * ParallelSum(Q.cols(), kGrain, [&](int64_t begin, int64_t end) {
+           double sum = 0;
+           for (int64_t i = begin; i < end; ++i) {
+             SampleResiduals& r = (*residuals)[i];
+             const bool settled = evaluated && assignments_[i].doublings == 0 &&
+                                  r.support >= kMinSupport && r.beyond == 0;
+             if (!settled) {
+               assignments_[i] = Choose(Q.col(i));
+               r = EvaluateSample(i, Q.col(i));
+             }
+             sum += r.f * r.f + r.beyond * r.beyond;
+           }
+           return sum;
+         });
+}
+
+DistanceTerm::Assignment DistanceTerm::Choose(const Eigen::Vector3d& x) const {
+  double h = target_->radius();
+  for (int doublings = 0; doublings <= kMaxDoublings; ++doublings, h *= 2) {
+    const ImlsValue field = EvaluateImls(target_->grid(), x, h);
+    if (field.support > 0 && field.nearest > far_radius_) break;
+    if (field.support >= kMinSupport) return {static_cast<int8_t>(doublings), -1};
+    if (field.support == 0 && h >= far_radius_) break;
+  }
+  return {kFar, target_->Nearest(x)};
+}
+
+double DistanceTerm::Evaluate(const Points3d& Q, std::vector<SampleResiduals>* residuals) const {
+  residuals->resize(Q.cols());
+  return weight_ * ParallelSum(Q.cols(), kGrain, [&](int64_t begin, int64_t end) {
+           double sum = 0;
+           for (int64_t i = begin; i < end; ++i) {
+             SampleResiduals& r = (*residuals)[i];
+             r = EvaluateSample(i, Q.col(i));
+             sum += r.f * r.f + r.beyond * r.beyond;
+           }
+           return sum;
+         });
+}
+
+SampleResiduals DistanceTerm::EvaluateSample(int64_t i, const Eigen::Vector3d& x) const {
+  const Assignment& assignment = assignments_[i];
+  if (assignment.doublings == kFar) return EvaluatePlane(assignment.nearest, x);
+  const double h = std::ldexp(target_->radius(), assignment.doublings);
+  const ImlsValue field = EvaluateImls(target_->grid(), x, h);
+  // A trial step may leave the support that the radius was chosen for.
+  if (field.support == 0) return EvaluatePlane(target_->Nearest(x), x);
+  SampleResiduals out;
+  out.support = field.support;
+  out.f = field.value;
+  out.grad_f = field.gradient;
+  if (field.nearest > far_radius_) {
+    const Eigen::Vector3d offset = x - target_->point(target_->Nearest(x));
+    const double distance = offset.norm();
+    out.beyond = std::max(0.0, distance - far_radius_);
+    if (out.beyond > 0) out.grad_beyond = offset / distance;
+  }
+  return out;
+}
+
+SampleResiduals DistanceTerm::EvaluatePlane(int32_t nearest, const Eigen::Vector3d& x) const {
+  const Eigen::Vector3d offset = x - target_->point(nearest);
+  SampleResiduals out;
+  out.grad_f = target_->normal(nearest);
+  out.f = out.grad_f.dot(offset);
+  const double distance = offset.norm();
+  if (distance > far_radius_) {
+    out.beyond = distance - far_radius_;
+    out.grad_beyond = offset / distance;
+  }
+  return out;
+}
+
+int64_t DistanceTerm::grown_samples() const {
+  return std::count_if(assignments_.begin(), assignments_.end(),
+                       [](const Assignment& a) { return a.doublings > 0; });
+}
+
+int64_t DistanceTerm::far_samples() const {
+  return std::count_if(assignments_.begin(), assignments_.end(),
+                       [](const Assignment& a) { return a.doublings == kFar; });
+}
+
+}  // namespace cagefit

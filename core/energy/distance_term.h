@@ -1,0 +1,82 @@
+// How far the samples of the limit surface are from the target.
+//
+//   E_dist = (n/m) sum_i ( f(Q_i)^2 + max(0, d_i - d0)^2 )
+//
+// n control vertices, m samples, f the signed IMLS distance (cloud/imls.h), d_i the distance to the
+// nearest target point. The factor n/m gives the term the same weight at any number of samples.
+//
+// Each sample has a radius and a branch, chosen by Assign and held fixed for value, gradient and
+// step acceptance, because f jumps by a percent where a radius doubles:
+//   field   the radius h, doubled until at least kMinSupport points lie within it;
+//   plane   for samples farther than d0 from every point: f is the signed distance to the nearest
+//   point's tangent plane.
+// The second residual keeps every sample bound: beside an open border, in the surface's own plane,
+// f is 0 in both branches.
+#ifndef CAGEFIT_CORE_ENERGY_DISTANCE_TERM_H_
+#define CAGEFIT_CORE_ENERGY_DISTANCE_TERM_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/cloud/target_index.h"
+
+namespace cagefit {
+
+// Residuals of one sample and their exact gradients at held radius and branch.
+struct SampleResiduals {
+  double f = 0;       // signed distance, unit coordinates
+  double beyond = 0;  // max(0, d - d0)
+  Eigen::Vector3d grad_f = Eigen::Vector3d::Zero();
+  Eigen::Vector3d grad_beyond = Eigen::Vector3d::Zero();
+  int support = 0;  // points within the held radius; 0 in the plane branch
+};
+
+// Not thread-safe but for EvaluateSample. Buffers keep their capacity.
+class DistanceTerm {
+ public:
+  static constexpr int kMinSupport = 8;
+
+  // Refers to `target`, which must outlive the term. Lengths in the target's coordinates. n control
+  // vertices.
+  void SetTarget(const TargetIndex* target, double far_radius, int64_t control_vertices);
+
+  // Chooses radius and branch of every sample at Q (3 x m), updates the residuals to them and
+  // returns the energy. `residuals` is empty, or what Evaluate gave at the same Q: then samples
+  // that need no other radius are left alone.
+  double Assign(const Points3d& Q, std::vector<SampleResiduals>* residuals);
+
+  // Energy at Q; writes the residuals of all m samples. Radius and branch are those of the last
+  // Assign.
+  double Evaluate(const Points3d& Q, std::vector<SampleResiduals>* residuals) const;
+
+  // Residuals of sample i at x.
+  SampleResiduals EvaluateSample(int64_t i, const Eigen::Vector3d& x) const;
+
+  double weight() const { return weight_; }  // n/m
+  int64_t grown_samples() const;             // radius doubled at least once
+  int64_t far_samples() const;               // in the plane branch
+
+ private:
+  static constexpr int8_t kFar = -1;
+  static constexpr int8_t kUnassigned = -2;
+  static constexpr int kMaxDoublings = 20;
+
+  struct Assignment {
+    int8_t doublings = kUnassigned;  // radius h 2^doublings; kFar: plane branch
+    int32_t nearest = -1;            // plane branch: index of the nearest point
+  };
+
+  Assignment Choose(const Eigen::Vector3d& x) const;
+  SampleResiduals EvaluatePlane(int32_t nearest, const Eigen::Vector3d& x) const;
+
+  const TargetIndex* target_ = nullptr;
+  double far_radius_ = 0;
+  int64_t control_vertices_ = 0;
+  double weight_ = 0;
+  std::vector<Assignment> assignments_;
+};
+
+}  // namespace cagefit
+
+#endif  // CAGEFIT_CORE_ENERGY_DISTANCE_TERM_H_

@@ -1,0 +1,16 @@
+// The terms of the energy, as every solver and report gives them.
+#ifndef CAGEFIT_CORE_FIT_ENERGIES_H_
+#define CAGEFIT_CORE_FIT_ENERGIES_H_
+
+namespace cagefit {
+
+// Already weighted; evaluated in unit coordinates, dimensionless.
+struct Energies {
+  double distance = 0;  // E_dist
+  double arap = 0;      // alpha E_reg
+  double total() const { return distance + arap; }
+};
+
+}  // namespace cagefit
+
+#endif  // CAGEFIT_CORE_FIT_ENERGIES_H_

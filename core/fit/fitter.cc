@@ -1,0 +1,125 @@
+#include "core/fit/fitter.h"
+
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "core/base/parallel.h"
+#include "core/base/status.h"
+#include "core/fit/ceres_solver.h"
+#include "core/fit/gauss_newton.h"
+#include "core/fit/objective.h"
+#include "core/fit/step_system.h"
+#include "core/subdiv/refine.h"
+
+namespace cagefit {
+
+namespace {
+
+// Default far radius as a multiple of the radius h: far enough for the field to stay smooth around
+// the cloud, near enough that the rim of an open surface cannot wander.
+constexpr double kFarRadiusPerRadius = 3;
+
+StencilMatrix SampleStencils(const ControlMesh& mesh, Sampling sampling) {
+  const int levels = sampling == Sampling::kControlVertices ? 0 : 1;
+  return BuildLimitMesh(mesh.topology(), mesh.tags(), levels).position;
+}
+
+void ToUnit(const Normalization& normalization, const PointCloud& user, PointCloud* unit) {
+  unit->points.resize(3, user.size());
+  ParallelFor(user.size(), 16384, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      unit->points.col(i) =
+          ((user.points.col(i).cast<double>() - normalization.center) * normalization.scale)
+              .cast<float>();
+    }
+  });
+  unit->normals = user.normals;
+}
+
+}  // namespace
+
+struct Fitter::State {
+  State(const ControlMesh& mesh, const Normalization& normalization, const FitOptions& options)
+      : normalization(normalization),
+        options(options),
+        rest(normalization.ToUnit(mesh.vertices())),
+        objective(mesh.topology(), SampleStencils(mesh, options.distance.sampling),
+                  options.arap.weight),
+        system(objective) {
+    objective.SetRest(rest);
+  }
+
+  Normalization normalization;
+  FitOptions options;
+  Points3d rest;  // of the template, unit coordinates
+  Objective objective;
+  StepSystem system;
+  PointCloud cloud;  // the frame's, unit coordinates
+  TargetIndex index;
+};
+
+absl::StatusOr<Fitter> Fitter::Create(const ControlMesh& template_mesh,
+                                      const Normalization& normalization,
+                                      const FitOptions& options) {
+  RETURN_IF_ERROR(options.Validate());
+  return Fitter(std::make_unique<State>(template_mesh, normalization, options));
+}
+
+Fitter::Fitter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Fitter::~Fitter() = default;
+Fitter::Fitter(Fitter&&) noexcept = default;
+Fitter& Fitter::operator=(Fitter&&) noexcept = default;
+
+absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target, const Points3d& start,
+                                       const CancelFn& cancelled, const ClockFn& clock,
+                                       Points3d* fitted) {
+  State& s = *state_;
+  const int64_t n = s.rest.cols();
+  if (start.cols() != n || !start.allFinite()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("start: %d vertices; %d finite ones are needed", start.cols(), n));
+  }
+  RETURN_IF_ERROR(ValidateTarget(target));
+  if (!target.has_normals()) return absl::InvalidArgumentError("target: it has no normals");
+  const auto now = [&] { return clock ? clock() : 0.0; };
+
+  const double t_start = now();
+  ToUnit(s.normalization, target, &s.cloud);
+  const double scale = s.normalization.scale;
+  RETURN_IF_ERROR(
+      s.index.Build(s.cloud, s.options.distance.radius * scale, s.options.distance.radius_factor));
+  const double far_radius = s.options.distance.far_radius > 0
+                                ? s.options.distance.far_radius * scale
+                                : kFarRadiusPerRadius * s.index.radius();
+  s.objective.SetTarget(&s.index, far_radius);
+  const double t_indexed = now();
+
+  Points3d V = s.normalization.ToUnit(start);
+  // Rotations, too, start afresh, so that the result depends on nothing but the arguments.
+  s.objective.SetRest(s.options.arap.rest == RestMesh::kPreviousFrame ? V : s.rest);
+  ASSIGN_OR_RETURN(
+      const Minimization result,
+      s.options.solver.solver == Solver::kCeres
+          ? MinimizeCeres(s.options.solver, cancelled, &s.objective, &V)
+          : MinimizeGaussNewton(s.options.solver, cancelled, &s.objective, &s.system, &V));
+  if (!V.allFinite() || !std::isfinite(result.final.total())) {
+    return absl::InternalError("fit: diverged, the control vertices are not finite");
+  }
+  *fitted = s.normalization.ToUser(V);
+
+  FitSummary summary;
+  summary.initial = result.initial;
+  summary.final = result.final;
+  summary.iterations = result.iterations;
+  summary.converged = result.converged;
+  summary.radius = s.index.radius() / scale;
+  summary.radius_in_spacings = s.index.radius() / s.index.spacing();
+  summary.grown_samples = static_cast<int>(s.objective.distance().grown_samples());
+  summary.far_samples = static_cast<int>(s.objective.distance().far_samples());
+  summary.index_ms = t_indexed - t_start;
+  summary.solve_ms = now() - t_indexed;
+  return summary;
+}
+
+}  // namespace cagefit
