@@ -11,7 +11,7 @@ namespace cagefit {
 
 namespace {
 
-constexpr int64_t kGrain = 1024;  // vertices a chunk
+constexpr int64_t kGrain = 8192;  // vertices a chunk
 
 // Inverse of the inertia tr(M) I - M of M = sum w e e^T. Directions about which nothing turns (all
 // edges along one line) get 0: no rotation.

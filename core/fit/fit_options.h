@@ -3,6 +3,8 @@
 #ifndef CAGEFIT_CORE_FIT_FIT_OPTIONS_H_
 #define CAGEFIT_CORE_FIT_FIT_OPTIONS_H_
 
+#include <optional>
+
 #include "absl/status/status.h"
 
 namespace cagefit {
@@ -22,15 +24,20 @@ struct DistanceOptions {
 };
 
 struct ArapOptions {
-  double weight = 0.01;  // alpha >= 0
+  // alpha >= 0. Not set: kArapWeightPerVertex times the number of control vertices, because E_dist
+  // grows with that number at equal distances and E_reg does not.
+  std::optional<double> weight;
   RestMesh rest = RestMesh::kTemplate;
 };
+inline constexpr double kArapWeightPerVertex = 1e-5;
 
 struct SolverOptions {
   Solver solver = Solver::kGaussNewton;
-  int max_iterations = 50;  // 1 to 10,000
-  double relative_decrease =
-      1e-3;  // stop when a step lowers the energy by less than this share; in (0, 1)
+  int max_iterations = 50;          // 1 to 10,000
+  double relative_decrease = 1e-2;  // stop when a step lowers the energy by less; up to 0.5
+  // Gauss-Newton starts with alpha times this and lowers it step by step, so that parts which moved
+  // as a whole are carried as a whole. 1 to 1e6; 1: no continuation.
+  double first_stiffness = 1000;
 };
 
 struct FitOptions {

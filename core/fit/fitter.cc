@@ -45,7 +45,7 @@ struct Fitter::State {
         options(options),
         rest(normalization.ToUnit(mesh.vertices())),
         objective(mesh.topology(), SampleStencils(mesh, options.distance.sampling),
-                  options.arap.weight),
+                  options.arap.weight.value_or(kArapWeightPerVertex * mesh.vertex_count())),
         system(objective) {
     objective.SetRest(rest);
   }

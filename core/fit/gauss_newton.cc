@@ -12,8 +12,14 @@ namespace {
 constexpr double kInitialDamping = 1e-5;  // of the mean diagonal
 constexpr double kLeastDamping = 1e-8, kMostDamping = 1e6;
 constexpr int kMaxLinearIterations = 400;
+// Of the residual in each linear solve: a tighter one costs more than the steps that it saves.
+constexpr double kLinearTolerance = 0.02;
+constexpr double kRounding = 1e-12;
 // A step is kept when the energy falls by at least this share of what the model promised.
 constexpr double kLeastGain = 1e-3;
+// The regulariser's weight starts `first_stiffness` times too high and falls by this factor with
+// each accepted step.
+constexpr double kStiffnessFactor = 4;
 
 }  // namespace
 
@@ -22,50 +28,55 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
                                                  StepSystem* system, Points3d* V) {
   Minimization out;
   Points3d half_gradient, trial_half_gradient, step, trial;
-  Energies energies = objective->Assign(*V, &half_gradient);
-  out.initial = out.final = energies;
-  if (!std::isfinite(energies.total())) {
-    return absl::InternalError(absl::StrFormat("fit: initial energy is %g", energies.total()));
+  const double arap_weight = objective->arap_weight();
+  out.initial = out.final = objective->Assign(*V, &half_gradient);
+  if (!std::isfinite(out.initial.total())) {
+    return absl::InternalError(absl::StrFormat("fit: initial energy is %g", out.initial.total()));
   }
+  // Stiff first, so that what moved as a whole is carried as a whole; the details follow. Without
+  // this the surface falls straight onto the target and then has to slide along it.
+  double stiffness = options.first_stiffness;
+  objective->set_arap_weight(stiffness * arap_weight);
+  Energies energies = objective->Evaluate(*V, &half_gradient);
   double damping = kInitialDamping;
   bool stale = true;  // the system does not hold the current linearisation
-  // Loose solves early, tight ones near the minimum, where the quadratic model is exact enough to
-  // deserve them.
-  double linear_tolerance = 0.1;
   while (out.iterations < options.max_iterations && !out.converged) {
-    if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
+    if (IsCancelled(cancelled)) break;
     if (stale) system->Linearize(*objective);
     stale = false;
     double promised = 0;
-    out.linear_iterations += system->Solve(half_gradient, damping, linear_tolerance,
+    out.linear_iterations += system->Solve(half_gradient, damping, kLinearTolerance,
                                            kMaxLinearIterations, cancelled, &step, &promised);
     ++out.iterations;
-    if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
-    if (!step.allFinite()) return absl::InternalError("fit: diverged, a step is not finite");
-    if (!(promised > 0)) {  // the gradient has vanished
-      out.converged = true;
-      break;
+    if (IsCancelled(cancelled)) break;
+    if (!step.allFinite()) {
+      objective->set_arap_weight(arap_weight);
+      return absl::InternalError("fit: diverged, a step is not finite");
     }
     trial = *V + step;
     const Energies tried = objective->Evaluate(trial, &trial_half_gradient);
     const double decrease = energies.total() - tried.total();
-    if (!(decrease >= kLeastGain * promised)) {
-      // At rounding level neither energy nor promise means anything any more.
-      if (promised <= 1e-12 * energies.total() || damping >= kMostDamping) {
-        out.converged = true;
-        break;
-      }
+    // At rounding level neither energy nor promise means anything any more.
+    const bool exhausted = promised <= kRounding * energies.total() || damping >= kMostDamping;
+    const bool accepted = decrease >= kLeastGain * promised && promised > 0;
+    if (!accepted && !exhausted) {
       damping = std::min(kMostDamping, damping * 10);
       continue;
     }
-    V->swap(trial);
-    damping = decrease > 0.5 * promised ? std::max(kLeastDamping, damping / 5) : damping;
-    out.converged = decrease <= options.relative_decrease * energies.total();
-    linear_tolerance = std::clamp(decrease / energies.total(), 1e-3, 0.1);
+    if (accepted) {
+      V->swap(trial);
+      if (decrease > 0.5 * promised) damping = std::max(kLeastDamping, damping / 5);
+    }
+    out.converged =
+        stiffness <= 1 && (exhausted || decrease <= options.relative_decrease * energies.total());
+    stiffness = std::max(1.0, stiffness / kStiffnessFactor);
+    objective->set_arap_weight(stiffness * arap_weight);
     energies = objective->Assign(*V, &half_gradient);
     stale = true;
-    out.final = energies;
   }
+  objective->set_arap_weight(arap_weight);
+  if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
+  out.final = objective->Evaluate(*V, &half_gradient);
   return out;
 }
 

@@ -8,7 +8,7 @@ namespace cagefit {
 
 namespace {
 
-constexpr int64_t kGrain = 2048;  // control vertices a chunk
+constexpr int64_t kGrain = 8192;  // control vertices a chunk
 
 }  // namespace
 

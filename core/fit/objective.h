@@ -32,7 +32,8 @@ class Objective {
   const std::vector<SampleResiduals>& residuals() const { return residuals_; }
   const DistanceTerm& distance() const { return distance_; }
   const ArapTerm& arap() const { return arap_; }
-  double arap_weight() const { return arap_weight_; }
+  double arap_weight() const { return arap_weight_; }  // alpha
+  void set_arap_weight(double weight) { arap_weight_ = weight; }
   const StencilMatrix& stencils() const { return S_; }
   const StencilMatrix& stencils_transposed() const { return St_; }
 
