@@ -1,0 +1,187 @@
+#include "tests/support/shapes.h"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace cagefit::testing {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Two triangles for every cell of a grid of `columns` x `rows` vertices, numbered row by row;
+// columns and rows may close upon themselves.
+Triangles GridTriangles(int columns, int rows, bool close_columns, bool close_rows) {
+  const int cells_x = close_columns ? columns : columns - 1, cells_y = close_rows ? rows : rows - 1;
+  Triangles triangles(3, 2 * cells_x * cells_y);
+  int f = 0;
+  for (int j = 0; j < cells_y; ++j) {
+    for (int i = 0; i < cells_x; ++i) {
+      const int right = (i + 1) % columns, up = (j + 1) % rows;
+      const int a = j * columns + i, b = j * columns + right, c = up * columns + right,
+                d = up * columns + i;
+      triangles.col(f++) << a, b, c;
+      triangles.col(f++) << a, c, d;
+    }
+  }
+  return triangles;
+}
+
+TriangleMesh Icosahedron() {
+  const double g = (1 + std::sqrt(5.0)) / 2;
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 12);
+  mesh.vertices << -1, 1, -1, 1, 0, 0, 0, 0, g, g, -g, -g,  // x
+      g, g, -g, -g, -1, 1, -1, 1, 0, 0, 0, 0,               // y
+      0, 0, 0, 0, g, g, -g, -g, -1, 1, -1, 1;               // z
+  mesh.triangles.resize(3, 20);
+  mesh.triangles << 0, 0, 0, 0, 0, 1, 5, 11, 10, 7, 3, 3, 3, 3, 3, 4, 2, 6, 8, 9,  // first corners
+      11, 5, 1, 7, 10, 5, 11, 10, 7, 1, 9, 4, 2, 6, 8, 9, 4, 2, 6, 8,              // second
+      5, 1, 7, 10, 11, 9, 4, 2, 6, 8, 4, 2, 6, 8, 9, 5, 11, 10, 7, 1;              // third
+  return mesh;
+}
+
+// Splits every triangle in four at its edges' midpoints.
+TriangleMesh SplitAtMidpoints(const TriangleMesh& coarse) {
+  std::map<std::pair<int, int>, int> middle_of;
+  std::vector<Eigen::Vector3d> vertices;
+  for (Eigen::Index v = 0; v < coarse.vertices.cols(); ++v) {
+    vertices.push_back(coarse.vertices.col(v));
+  }
+  const auto middle = [&](int a, int b) {
+    const auto [at, added] = middle_of.try_emplace(std::minmax(a, b), vertices.size());
+    if (added) vertices.push_back((vertices[a] + vertices[b]) / 2);
+    return at->second;
+  };
+  TriangleMesh fine;
+  fine.triangles.resize(3, 4 * coarse.triangles.cols());
+  for (Eigen::Index f = 0; f < coarse.triangles.cols(); ++f) {
+    const int a = coarse.triangles(0, f), b = coarse.triangles(1, f), c = coarse.triangles(2, f);
+    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    fine.triangles.col(4 * f) << a, ab, ca;
+    fine.triangles.col(4 * f + 1) << b, bc, ab;
+    fine.triangles.col(4 * f + 2) << c, ca, bc;
+    fine.triangles.col(4 * f + 3) << ab, bc, ca;
+  }
+  fine.vertices.resize(3, static_cast<Eigen::Index>(vertices.size()));
+  for (size_t v = 0; v < vertices.size(); ++v) {
+    fine.vertices.col(static_cast<Eigen::Index>(v)) = vertices[v];
+  }
+  return fine;
+}
+
+// Corner of triangle f that follows vertex v, or -1 when v is not one of its corners.
+int CornerAfter(const Triangles& triangles, Eigen::Index f, int v) {
+  for (int c = 0; c < 3; ++c) {
+    if (triangles(c, f) == v) return triangles((c + 1) % 3, f);
+  }
+  return -1;
+}
+
+bool Adjacent(const Triangles& triangles, int a, int b) {
+  for (Eigen::Index f = 0; f < triangles.cols(); ++f) {
+    if (CornerAfter(triangles, f, a) >= 0 && CornerAfter(triangles, f, b) >= 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TriangleMesh Icosphere(int levels, double radius) {
+  TriangleMesh mesh = Icosahedron();
+  for (int level = 0; level < levels; ++level) mesh = SplitAtMidpoints(mesh);
+  mesh.vertices = radius * mesh.vertices.colwise().normalized();
+  return mesh;
+}
+
+TriangleMesh OpenGrid(int cells) {
+  TriangleMesh mesh;
+  mesh.triangles = GridTriangles(cells + 1, cells + 1, false, false);
+  mesh.vertices.resize(3, static_cast<Eigen::Index>(cells + 1) * (cells + 1));
+  for (int v = 0; v < mesh.vertices.cols(); ++v) {
+    mesh.vertices.col(v) << double(v % (cells + 1)) / cells, double(v / (cells + 1)) / cells, 0;
+  }
+  return mesh;
+}
+
+TriangleMesh OpenDisk(int rings, double radius) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 1 + 3 * rings * (rings + 1));
+  mesh.triangles.resize(3, 6 * rings * rings);
+  mesh.vertices.col(0).setZero();
+  const auto vertex = [](int ring, int k) {
+    return ring == 0 ? 0 : 1 + 3 * ring * (ring - 1) + k % (6 * ring);
+  };
+  int f = 0;
+  for (int ring = 1; ring <= rings; ++ring) {
+    for (int k = 0; k < 6 * ring; ++k) {
+      const double angle = 2 * kPi * k / (6 * ring), r = radius * ring / rings;
+      mesh.vertices.col(vertex(ring, k)) << r * std::cos(angle), r * std::sin(angle), 0;
+      // The k-th vertex lies in sextant k / ring; going inwards loses one vertex per sextant.
+      const int inner = k - k / ring;
+      mesh.triangles.col(f++) << vertex(ring, k), vertex(ring, k + 1), vertex(ring - 1, inner);
+      if (k % ring != ring - 1) {
+        mesh.triangles.col(f++) << vertex(ring, k + 1), vertex(ring - 1, inner + 1),
+            vertex(ring - 1, inner);
+      }
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh Torus(int around, int across, double major_radius, double minor_radius) {
+  TriangleMesh mesh;
+  mesh.triangles = GridTriangles(around, across, true, true);
+  mesh.vertices.resize(3, static_cast<Eigen::Index>(around) * across);
+  for (int v = 0; v < mesh.vertices.cols(); ++v) {
+    const double a = 2 * kPi * (v % around) / around, b = 2 * kPi * (v / around) / across;
+    const double r = major_radius + minor_radius * std::cos(b);
+    mesh.vertices.col(v) << r * std::cos(a), r * std::sin(a), minor_radius * std::sin(b);
+  }
+  return mesh;
+}
+
+TriangleMesh Tube(int around, int along, double radius, double length) {
+  TriangleMesh mesh;
+  mesh.triangles = GridTriangles(around, along + 1, true, false);
+  mesh.vertices.resize(3, static_cast<Eigen::Index>(around) * (along + 1));
+  for (int v = 0; v < mesh.vertices.cols(); ++v) {
+    const double a = 2 * kPi * (v % around) / around;
+    mesh.vertices.col(v) << radius * std::cos(a), radius * std::sin(a),
+        length * (v / around) / along;
+  }
+  return mesh;
+}
+
+TriangleMesh MixedValences(uint32_t seed) {
+  TriangleMesh mesh = Icosphere(2);
+  Triangles& triangles = mesh.triangles;
+  std::mt19937 random(seed);
+  std::vector<int> valence(mesh.vertices.cols(), 0);
+  for (Eigen::Index k = 0; k < triangles.size(); ++k) ++valence[triangles.data()[k]];
+  for (int tries = 0; tries < 2000; ++tries) {
+    // Edge a-b of triangles (a b c) and (b a d) becomes c-d.
+    const Eigen::Index f = random() % triangles.cols();
+    const int corner = static_cast<int>(random() % 3);
+    const int a = triangles(corner, f), b = triangles((corner + 1) % 3, f),
+              c = triangles((corner + 2) % 3, f);
+    Eigen::Index g = 0;
+    while (CornerAfter(triangles, g, b) != a) ++g;
+    const int d = CornerAfter(triangles, g, a);
+    if (valence[a] == 3 || valence[b] == 3 || valence[c] == 12 || valence[d] == 12) continue;
+    if (Adjacent(triangles, c, d)) continue;
+    triangles.col(f) << a, d, c;
+    triangles.col(g) << b, c, d;
+    --valence[a], --valence[b], ++valence[c], ++valence[d];
+  }
+  for (Eigen::Index k = 0; k < mesh.vertices.size(); ++k) {
+    mesh.vertices.data()[k] += 0.02 * (random() / 4294967296.0 - 0.5);
+  }
+  return mesh;
+}
+
+}  // namespace cagefit::testing
