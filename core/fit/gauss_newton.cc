@@ -15,6 +15,9 @@ constexpr int kMaxLinearIterations = 400;
 // Of the residual in each linear solve: a tighter one costs more than the steps that it saves.
 constexpr double kLinearTolerance = 0.02;
 constexpr double kRounding = 1e-12;
+// Steps after which radius and branch are chosen anew. Where a radius doubles the energy jumps by a
+// percent, and a few samples that go to and fro would keep it from ever settling.
+constexpr int kMaxAssignments = 30;
 // A step is kept when the energy falls by at least this share of what the model promised.
 constexpr double kLeastGain = 1e-3;
 // The regulariser's weight starts `first_stiffness` times too high and falls by this factor with
@@ -71,7 +74,8 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
         stiffness <= 1 && (exhausted || decrease <= options.relative_decrease * energies.total());
     stiffness = std::max(1.0, stiffness / kStiffnessFactor);
     objective->set_arap_weight(stiffness * arap_weight);
-    energies = objective->Assign(*V, &half_gradient);
+    energies = out.iterations < kMaxAssignments ? objective->Assign(*V, &half_gradient)
+                                                : objective->Evaluate(*V, &half_gradient);
     stale = true;
   }
   objective->set_arap_weight(arap_weight);

@@ -1,0 +1,71 @@
+#include "core/fit/ceres_costs.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/core/fit/fit_fixture.h"
+
+namespace cagefit {
+namespace {
+
+// Residuals of `cost` as a function of its parameters, checked by central differences.
+void CheckJacobian(const ceres::CostFunction& cost, std::vector<Eigen::Vector3d> x,
+                   double tolerance) {
+  const int rows = cost.num_residuals();
+  std::vector<const double*> parameters;
+  std::vector<std::vector<double>> storage(x.size(), std::vector<double>(rows * 3));
+  std::vector<double*> jacobians;
+  for (size_t k = 0; k < x.size(); ++k) {
+    parameters.push_back(x[k].data());
+    jacobians.push_back(storage[k].data());
+  }
+  std::vector<double> r(rows), ahead(rows), behind(rows);
+  ASSERT_TRUE(cost.Evaluate(parameters.data(), r.data(), jacobians.data()));
+  for (size_t k = 0; k < x.size(); ++k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double step = 1e-6, at = x[k][axis];
+      x[k][axis] = at + step;
+      cost.Evaluate(parameters.data(), ahead.data(), nullptr);
+      x[k][axis] = at - step;
+      cost.Evaluate(parameters.data(), behind.data(), nullptr);
+      x[k][axis] = at;
+      for (int row = 0; row < rows; ++row) {
+        EXPECT_NEAR(storage[k][3 * row + axis], (ahead[row] - behind[row]) / (2 * step), tolerance);
+      }
+    }
+  }
+}
+
+TEST(CeresCostsTest, SampleJacobianAgreesWithFiniteDifferences) {
+  testing::FitProblem problem(0.05);
+  Points3d unused;
+  const Points3d V = problem.cage.vertices();
+  problem.objective.Assign(V, &unused);
+  for (int64_t i = 0; i < problem.objective.stencils().rows(); i += 37) {
+    std::vector<double> weights;
+    std::vector<Eigen::Vector3d> x;
+    for (StencilMatrix::InnerIterator s(problem.objective.stencils(), i); s; ++s) {
+      weights.push_back(s.value());
+      x.push_back(V.col(s.col()));
+    }
+    CheckJacobian(SampleCost(problem.objective.distance(), i, weights), x, 1e-6);
+  }
+}
+
+TEST(CeresCostsTest, ArapJacobianAgreesWithFiniteDifferencesAtTheRestShape) {
+  // At zero residual the first-order rotation is exact; elsewhere the Jacobian is that of Gauss and
+  // Newton.
+  testing::FitProblem problem(0.05);
+  const Points3d V = problem.cage.vertices();
+  const ArapTerm& arap = problem.objective.arap();
+  for (int32_t i = 0; i < arap.vertex_count(); i += 11) {
+    std::vector<Eigen::Vector3d> x = {V.col(i)};
+    for (int32_t e = arap.begin(i); e < arap.begin(i + 1); ++e)
+      x.push_back(V.col(arap.neighbor(e)));
+    CheckJacobian(ArapCost(arap, i, 0.05), x, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace cagefit

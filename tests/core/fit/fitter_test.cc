@@ -1,0 +1,113 @@
+#include "core/fit/fitter.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/fit/fit_fixture.h"
+
+namespace cagefit {
+namespace {
+
+constexpr double kUserScale = 250;  // the tests' user unit is a millimetre
+
+PointCloud UserCloud(double wave) {
+  PointCloud cloud = testing::EllipsoidCloud(8000, {0.5, 0.4 + wave, 0.3});
+  cloud.points =
+      (static_cast<float>(kUserScale) * cloud.points).colwise() + Eigen::Vector3f(10, 20, 30);
+  return cloud;
+}
+
+class FitterTest : public ::testing::Test {
+ protected:
+  FitterTest() : cage_(testing::SphereCage(2, 0.45 * kUserScale)) {
+    cage_ = cage_.WithVertices(cage_.vertices().colwise() + Eigen::Vector3d(10, 20, 30));
+    normalization_ = *Normalization::FromBox(BoundingBox(UserCloud(0).points));
+  }
+  Fitter MakeFitter(const FitOptions& options = {}) {
+    return *Fitter::Create(cage_, normalization_, options);
+  }
+
+  ControlMesh cage_ = testing::SphereCage(0, 1);
+  Normalization normalization_;
+};
+
+TEST_F(FitterTest, LimitSurfaceReachesTheTarget) {
+  Fitter fitter = MakeFitter();
+  Points3d fitted;
+  const auto summary = fitter.Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &fitted);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  EXPECT_TRUE(summary->converged);
+  Points3d Q;
+  ApplyStencils(BuildLimitMesh(cage_.topology(), cage_.tags(), 2).position, fitted, &Q);
+  // (x/a)^2 + (y/b)^2 + (z/c)^2 = 1 on the ellipsoid.
+  const Eigen::Array3Xd unit =
+      ((Q.colwise() - Eigen::Vector3d(10, 20, 30)) / kUserScale).array().colwise() /
+      Eigen::Array3d(0.5, 0.4, 0.3);
+  EXPECT_LT((unit.square().colwise().sum() - 1).abs().maxCoeff(), 0.02);
+}
+
+TEST_F(FitterTest, IsAPureFunctionOfItsArguments) {
+  Fitter used = MakeFitter(), fresh = MakeFitter();
+  Points3d first, second, again, other;
+  ASSERT_TRUE(used.Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &first).ok());
+  ASSERT_TRUE(used.Fit(UserCloud(0.05), first, nullptr, nullptr, &second).ok());
+  ASSERT_TRUE(fresh.Fit(UserCloud(0.05), first, nullptr, nullptr, &again).ok());
+  EXPECT_EQ(second, again);
+  EXPECT_NE(first, second);
+}
+
+TEST_F(FitterTest, ARefusedFrameLeavesTheResultAlone) {
+  Fitter fitter = MakeFitter();
+  Points3d fitted = Points3d::Constant(3, 1, 7);
+  PointCloud bad = UserCloud(0);
+  bad.points(1, 17) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(fitter.Fit(bad, cage_.vertices(), nullptr, nullptr, &fitted).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(fitter
+                .Fit(
+                    UserCloud(0), cage_.vertices(), [] { return true; }, nullptr, &fitted)
+                .status()
+                .code(),
+            absl::StatusCode::kCancelled);
+  EXPECT_EQ(fitted, Points3d::Constant(3, 1, 7));
+}
+
+TEST_F(FitterTest, TheCeresSolverAgrees) {
+  FitOptions options;
+  options.solver.relative_decrease = 1e-6;
+  options.solver.max_iterations = 1000;
+  options.solver.first_stiffness = 1;
+  options.distance.radius = 0.1 * kUserScale;
+  FitOptions ceres_options = options;
+  ceres_options.solver.solver = Solver::kCeres;
+  Points3d fitted;
+  const auto newton =
+      MakeFitter(options).Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &fitted);
+  const auto ceres =
+      MakeFitter(ceres_options).Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &fitted);
+  ASSERT_TRUE(newton.ok() && ceres.ok());
+  EXPECT_NEAR(newton->final.total(), ceres->final.total(), 1e-3 * ceres->final.total());
+}
+
+TEST_F(FitterTest, OptionsOutOfRangeAreNamed) {
+  FitOptions options;
+  options.distance.radius_factor = 0.1;
+  const absl::Status status = Fitter::Create(cage_, normalization_, options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("radius_factor is 0.1"), std::string::npos);
+}
+
+TEST(NormalizationTest, PutsTheBoxIntoTheUnitBoxAndBack) {
+  Box box;
+  box.min = Eigen::Vector3d(1, 2, 3);
+  box.max = Eigen::Vector3d(5, 4, 4);
+  const Normalization normalization = *Normalization::FromBox(box);
+  Points3d corners(3, 2);
+  corners << 1, 5, 2, 4, 3, 4;
+  const Points3d unit = normalization.ToUnit(corners);
+  EXPECT_NEAR((unit.col(1) - Eigen::Vector3d(0.5, 0.25, 0.125)).norm(), 0, 1e-15);
+  EXPECT_NEAR((normalization.ToUser(unit) - corners).norm(), 0, 1e-14);
+  EXPECT_EQ(Normalization::FromBox(Box()).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace cagefit
