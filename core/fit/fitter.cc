@@ -10,7 +10,7 @@
 #include "core/fit/gauss_newton.h"
 #include "core/fit/objective.h"
 #include "core/fit/step_system.h"
-#include "core/subdiv/refine.h"
+#include "core/subdiv/limit.h"
 
 namespace cagefit {
 

@@ -38,58 +38,76 @@ absl::StatusOr<Topology> Topology::Create(int32_t vertex_count, Triangles triang
   Topology topology;
   topology.vertex_count_ = vertex_count;
   topology.triangles_ = std::move(triangles);
-  if (absl::Status status = topology.LinkEdges(); !status.ok()) return status;
+  if (absl::Status status = topology.PairHalfEdges(); !status.ok()) return status;
+  topology.NumberEdges();
   if (absl::Status status = topology.WalkRings(); !status.ok()) return status;
   return topology;
 }
 
-absl::Status Topology::LinkEdges() {
+// Half-edges of one edge become neighbours when each vertex's bucket, of the half-edges whose
+// smaller end it is, is sorted by the larger end. Buckets are as small as valences.
+absl::Status Topology::PairHalfEdges() {
   const int32_t half_edges = 3 * triangle_count();
-  const auto from = [&](int32_t h) { return triangles_(h % 3, h / 3); };
-  const auto to = [&](int32_t h) { return triangles_((h + 1) % 3, h / 3); };
-  // Half-edges of the same edge become neighbours when sorted by their smaller, then their larger
-  // vertex.
-  std::vector<int32_t> order(half_edges);
-  std::iota(order.begin(), order.end(), 0);
-  const auto ends = [&](int32_t h) { return std::minmax({from(h), to(h)}); };
-  std::sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
-    return std::make_pair(ends(a), a) < std::make_pair(ends(b), b);
-  });
-  opposite_.assign(half_edges, kNone);
-  for (int32_t k = 0; k < half_edges;) {
-    int32_t end = k + 1;
-    while (end < half_edges && ends(order[end]) == ends(order[k])) ++end;
-    const int32_t a = order[k], b = order[end - 1];
-    if (end - k > 2) {
-      return absl::InvalidArgumentError(absl::StrFormat(
-          "edge (%d, %d): %d triangles meet there; at most two may", from(a), to(a), end - k));
+  std::vector<int32_t> begin(vertex_count_ + 1, 0);
+  for (int32_t h = 0; h < half_edges; ++h) ++begin[std::min(From(h), To(h)) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  struct Entry {
+    int32_t larger_end, half_edge;
+    bool operator<(const Entry& o) const {
+      return larger_end != o.larger_end ? larger_end < o.larger_end : half_edge < o.half_edge;
     }
-    if (end - k == 2) {
-      if (from(a) == from(b)) {
-        return absl::InvalidArgumentError(
-            absl::StrFormat("edge (%d, %d): triangles %d and %d are oriented against each other",
-                            from(a), to(a), a / 3, b / 3));
-      }
-      opposite_[a] = b;
-      opposite_[b] = a;
-    }
-    k = end;
-  }
-
-  triangle_edges_.resize(3, triangle_count());
+  };
+  std::vector<Entry> entries(half_edges);
+  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
   for (int32_t h = 0; h < half_edges; ++h) {
-    const int32_t other = opposite_[h];
-    if (other != kNone && other < h) {
-      const int32_t e = triangle_edges_(other % 3, other / 3);
-      triangle_edges_(h % 3, h / 3) = e;
-      edge_triangles_[e][1] = h / 3;
-    } else {
-      triangle_edges_(h % 3, h / 3) = edge_count();
-      edges_.push_back({std::min(from(h), to(h)), std::max(from(h), to(h))});
-      edge_triangles_.push_back({h / 3, kNone});
+    const int32_t a = From(h), b = To(h);
+    entries[next[std::min(a, b)]++] = {std::max(a, b), h};
+  }
+  opposite_.assign(half_edges, kNone);
+  for (int32_t v = 0; v < vertex_count_; ++v) {
+    std::sort(entries.begin() + begin[v], entries.begin() + begin[v + 1]);
+    for (int32_t k = begin[v]; k < begin[v + 1];) {
+      int32_t end = k + 1;
+      while (end < begin[v + 1] && entries[end].larger_end == entries[k].larger_end) ++end;
+      const int32_t a = entries[k].half_edge, b = entries[end - 1].half_edge;
+      if (end - k > 2) {
+        return absl::InvalidArgumentError(absl::StrFormat(
+            "edge (%d, %d): %d triangles meet there; at most two may", From(a), To(a), end - k));
+      }
+      if (end - k == 2) {
+        if (From(a) == From(b)) {
+          return absl::InvalidArgumentError(
+              absl::StrFormat("edge (%d, %d): triangles %d and %d are oriented against each other",
+                              From(a), To(a), a / 3, b / 3));
+        }
+        opposite_[a] = b;
+        opposite_[b] = a;
+      }
+      k = end;
     }
   }
   return absl::OkStatus();
+}
+
+void Topology::NumberEdges() {
+  const int32_t half_edges = 3 * triangle_count();
+  int32_t count = 0;
+  for (int32_t h = 0; h < half_edges; ++h) count += opposite_[h] == kNone || opposite_[h] > h;
+  edges_.reserve(count);
+  edge_triangles_.reserve(count);
+  triangle_edges_.resize(3, triangle_count());
+  int32_t* edge_of = triangle_edges_.data();
+  for (int32_t h = 0; h < half_edges; ++h) {
+    const int32_t other = opposite_[h];
+    if (other != kNone && other < h) {
+      edge_of[h] = edge_of[other];
+      edge_triangles_[edge_of[h]][1] = h / 3;
+    } else {
+      edge_of[h] = edge_count();
+      edges_.push_back({std::min(From(h), To(h)), std::max(From(h), To(h))});
+      edge_triangles_.push_back({h / 3, kNone});
+    }
+  }
 }
 
 absl::Status Topology::WalkRings() {
@@ -97,7 +115,7 @@ absl::Status Topology::WalkRings() {
   // the fan runs counter-clockwise.
   std::vector<int32_t> first(vertex_count_, kNone), degree(vertex_count_, 0);
   for (int32_t h = 0; h < 3 * triangle_count(); ++h) {
-    const int32_t v = triangles_(h % 3, h / 3);
+    const int32_t v = From(h);
     ++degree[v];
     if (first[v] == kNone || opposite_[h] == kNone) first[v] = h;
   }
@@ -105,6 +123,8 @@ absl::Status Topology::WalkRings() {
   ring_begin_.assign(1, 0);
   ring_begin_.reserve(vertex_count_ + 1);
   ring_.reserve(2 * edges_.size());
+  edge_of_ring_.reserve(2 * edges_.size());
+  const int32_t* edge_of = triangle_edges_.data();
   for (int32_t v = 0; v < vertex_count_; ++v) {
     if (first[v] == kNone) {
       return absl::InvalidArgumentError(absl::StrFormat("vertex %d: no triangle uses it", v));
@@ -113,17 +133,17 @@ absl::Status Topology::WalkRings() {
     int32_t h = first[v];
     boundary_vertex_[v] = opposite_[h] == kNone;
     do {
-      ring_.push_back(triangles_((h + 1) % 3, h / 3));
-      edge_of_ring_.push_back(triangle_edges_(h % 3, h / 3));
+      ring_.push_back(To(h));
+      edge_of_ring_.push_back(edge_of[h]);
       ++walked;
-      const int32_t incoming = h - h % 3 + (h + 2) % 3;  // from the third corner to v
+      const int32_t incoming = h % 3 == 0 ? h + 2 : h - 1;  // from the third corner to v
       if (opposite_[incoming] == kNone) {
-        ring_.push_back(triangles_((h + 2) % 3, h / 3));
-        edge_of_ring_.push_back(triangle_edges_(incoming % 3, incoming / 3));
+        ring_.push_back(From(incoming));
+        edge_of_ring_.push_back(edge_of[incoming]);
         break;
       }
       h = opposite_[incoming];
-    } while (h != first[v] && walked <= degree[v]);
+    } while (h != first[v]);
     if (walked != degree[v]) {
       return absl::InvalidArgumentError(
           absl::StrFormat("vertex %d: its %d triangles do not form one fan (one reaches %d)", v,
@@ -135,7 +155,8 @@ absl::Status Topology::WalkRings() {
 }
 
 int32_t Topology::FindEdge(int32_t a, int32_t b) const {
-  if (a < 0 || a >= vertex_count_) return kNone;
+  if (std::min(a, b) < 0 || std::max(a, b) >= vertex_count_) return kNone;
+  if (Valence(b) < Valence(a)) std::swap(a, b);
   const absl::Span<const int32_t> ring = Ring(a);
   const auto found = std::find(ring.begin(), ring.end(), b);
   return found == ring.end() ? kNone : RingEdges(a)[found - ring.begin()];

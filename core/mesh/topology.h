@@ -21,7 +21,7 @@ class Topology {
 
   // Checks indices in [0, vertex_count), no triangle with a repeated vertex, every edge in at most
   // two triangles of opposite orientation, every vertex in exactly one fan of triangles.
-  // INVALID_ARGUMENT names the first offending vertex, edge or triangle.
+  // INVALID_ARGUMENT names an offending vertex, edge or triangle.
   static absl::StatusOr<Topology> Create(int32_t vertex_count, Triangles triangles);
 
   int32_t vertex_count() const { return vertex_count_; }
@@ -64,7 +64,13 @@ class Topology {
 
  private:
   Topology() = default;
-  absl::Status LinkEdges();
+
+  // Ends of half-edge h: triangles are stored corner by corner, so half-edge h starts at the h-th.
+  int32_t From(int32_t h) const { return triangles_.data()[h]; }
+  int32_t To(int32_t h) const { return triangles_.data()[h % 3 == 2 ? h - 2 : h + 1]; }
+
+  absl::Status PairHalfEdges();
+  void NumberEdges();
   absl::Status WalkRings();
 
   int32_t vertex_count_ = 0;

@@ -17,8 +17,8 @@ struct ClosestPoint {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
 
-// Closest point of triangle (a, b, c) to x [ericson2005, 5.1.5]. Degenerate triangles act as
-// segments or points.
+// Closest point of triangle (a, b, c) to x [ericson2005, 5.1.5], `triangle` being 0. Exact but for
+// rounding; needles with an angle below 1e-8, and triangles without area, act as their edges.
 ClosestPoint ClosestPointOnTriangle(const Eigen::Vector3d& x, const Eigen::Vector3d& a,
                                     const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
@@ -28,10 +28,11 @@ class TriangleBvh {
   TriangleBvh() = default;
   TriangleBvh(const Points3d& vertices, const Triangles& triangles) { Build(vertices, triangles); }
 
-  // Replaces the content; buffers keep their capacity.
+  // Replaces the content; buffers keep their capacity. Vertices must be finite, indices in range.
   void Build(const Points3d& vertices, const Triangles& triangles);
 
-  // Closest point to x nearer than max_distance; triangle == -1 when there is none.
+  // Closest point to x nearer than max_distance, of equally near triangles that of the lowest
+  // index; triangle == -1 when there is none.
   ClosestPoint Closest(const Eigen::Vector3d& x,
                        double max_distance = std::numeric_limits<double>::infinity()) const;
 
@@ -44,6 +45,8 @@ class TriangleBvh {
         0;  // leaf: first entry of order_; inner: index of the left child, right = left + 1
     int32_t count = 0;  // leaf: number of triangles; inner: 0
   };
+
+  void Split(const Points3d& vertices, const Triangles& triangles);
 
   std::vector<Node> nodes_;
   std::vector<int32_t> order_;

@@ -6,8 +6,13 @@
 //   vertex on a boundary or crease:  3/4, 1/8 1/8 along the curve;  edge there:  1/2 1/2
 //   limit, interior:  (1 - k l) v + l sum of the ring,  l = 1 / (k + 3 / (8 beta))
 //   limit on a boundary or crease:  2/3, 1/6 1/6;   corner:  the vertex itself
+//
+// A dart (interior, one crease ends there) is refined as a smooth vertex, but the edge mask 1/2 1/2
+// on its crease changes its limit.
 #ifndef CAGEFIT_CORE_SUBDIV_LOOP_MASKS_H_
 #define CAGEFIT_CORE_SUBDIV_LOOP_MASKS_H_
+
+#include <vector>
 
 namespace cagefit {
 
@@ -16,6 +21,10 @@ double LoopBeta(int k);
 
 // Weight of each of the k ring vertices in the limit position mask. k >= 3.
 double LoopLimitWeight(int k);
+
+// Limit position mask of a dart: weights of its k ring vertices, counter-clockwise from the one on
+// the crease. The dart itself has what they lack to 1. k >= 3.
+std::vector<double> LoopDartLimitWeights(int k);
 
 inline constexpr double kEdgeEndWeight = 3.0 / 8.0;
 inline constexpr double kEdgeOppositeWeight = 1.0 / 8.0;

@@ -1,26 +1,25 @@
-// Uniform refinement of Loop control meshes, and limit positions of their vertices, as
-// stencils.
+// Uniform refinement of Loop control meshes as a sparse matrix.
 #ifndef CAGEFIT_CORE_SUBDIV_REFINE_H_
 #define CAGEFIT_CORE_SUBDIV_REFINE_H_
 
 #include "core/mesh/control_mesh.h"
+#include "core/mesh/topology.h"
+#include "core/subdiv/limit.h"  // IWYU pragma: export
+#include "core/subdiv/sharp_features.h"
 #include "core/subdiv/stencils.h"
 
 namespace cagefit {
 
-// The role of a vertex, from the number of sharp (boundary or crease) edges at it and its tags.
-enum class VertexRule { kSmooth, kCrease, kCorner };
+//        c0
+//       /  \          Triangle f = (c0 c1 c2), with a new vertex e_c in the middle of its c-th
+//     e0 -- e2        half-edge, becomes
+//     / \  / \          4 f = (c0 e0 e2), 4 f + 1 = (c1 e1 e0), 4 f + 2 = (c2 e2 e1),
+//   c1 - e1 - c2        4 f + 3 = (e0 e1 e2).
+//
+// Vertices of the finer mesh: first the n old ones, then one per edge in edge order.
+Triangles SplitTriangles(const Topology& topology);
 
-// Sharp features of one level. Boundaries are included.
-struct SharpFeatures {
-  std::vector<char> sharp_edge;         // per edge
-  std::vector<VertexRule> vertex_rule;  // per vertex
-};
-SharpFeatures FindSharpFeatures(const Topology& topology, const CreaseTags& tags);
-
-// Connectivity and matrix of one refinement step. Vertices of the finer mesh: first the n old ones,
-// then one per edge in edge order. Triangle f becomes 4 f .. 4 f + 3: the three at its corners 0,
-// 1, 2, then the middle one.
+// One refinement step. Both halves of a crease edge are crease edges; corners stay corners.
 struct Refinement {
   Topology topology;
   CreaseTags tags;
@@ -28,16 +27,8 @@ struct Refinement {
 };
 Refinement RefineOnce(const Topology& topology, const CreaseTags& tags);
 
-// Limit positions of the vertices of a mesh: n x n.
-StencilMatrix LimitPositionStencils(const Topology& topology, const CreaseTags& tags);
-
-// The limit surface as a fine mesh: the control mesh refined `levels` times, its vertices moved to
-// their limit.
-struct LimitMesh {
-  StencilMatrix position;  // vertices of the refined mesh x control vertices
-  Triangles triangles;     // of the refined mesh; triangle t lies in control triangle t / 4^levels
-};
-LimitMesh BuildLimitMesh(const Topology& topology, const CreaseTags& tags, int levels);
+// The matrix of one refinement step alone.
+StencilMatrix RefinementStencils(const Topology& topology, const SharpFeatures& sharp);
 
 }  // namespace cagefit
 

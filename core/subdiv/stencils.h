@@ -18,6 +18,10 @@ using StencilMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int32_t>;
 // differs.
 void ApplyStencils(const StencilMatrix& S, const Points3d& V, Points3d* samples);
 
+// The product `outer` * `inner`: samples of samples (m x k times k x n). The same to the bit for
+// any number of threads.
+StencilMatrix ComposeStencils(const StencilMatrix& outer, const StencilMatrix& inner);
+
 }  // namespace cagefit
 
 #endif  // CAGEFIT_CORE_SUBDIV_STENCILS_H_

@@ -8,7 +8,7 @@
 #include "core/cloud/target_index.h"
 #include "core/fit/objective.h"
 #include "core/mesh/control_mesh.h"
-#include "core/subdiv/refine.h"
+#include "core/subdiv/limit.h"
 #include "tests/support/shapes.h"
 
 namespace cagefit::testing {
