@@ -17,7 +17,7 @@ class KdTree {
   KdTree(KdTree&&) noexcept;
   KdTree& operator=(KdTree&&) noexcept;
 
-  // The k nearest points to x, nearest first, equal distances by index. Writes at most k indices
+  // The k nearest points to x, nearest first. Writes at most k indices
   // and squared distances and returns how many there were.
   int Nearest(const Eigen::Vector3f& x, int k, int32_t* indices, float* squared_distances) const;
 

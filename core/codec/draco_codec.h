@@ -1,7 +1,7 @@
 // Clouds and meshes as Draco bytes. The only part of the project that knows Draco.
 //
-// Input is hostile: the header is checked and counts are held against limits before memory is
-// taken, every face index is checked after decoding, and points that are not finite are refused.
+// Input is hostile: counts and attributes are held against limits before memory is taken, every
+// face index is checked after decoding, and points that are not finite are refused.
 #ifndef CAGEFIT_CORE_CODEC_DRACO_CODEC_H_
 #define CAGEFIT_CORE_CODEC_DRACO_CODEC_H_
 
@@ -11,37 +11,38 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "core/cloud/point_cloud.h"
+#include "core/codec/vertex_delta.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace cagefit {
 
 struct DecodeLimits {
-  int64_t max_encoded_bytes = 64 << 20;
   int64_t max_points = 4'000'000;
   int64_t max_faces = 8'000'000;
   int64_t max_decoded_bytes = int64_t{512} << 20;  // of all attributes and faces together
+  // Metadata is free text of any size and nesting; only files that somebody chose to open may have
+  // it.
+  bool allow_metadata = false;
 };
-
-enum class DracoGeometry { kPointCloud, kMesh };
 
 // What the bytes say of themselves, read without decoding.
 struct DracoInfo {
-  DracoGeometry geometry = DracoGeometry::kPointCloud;
-  int version_major = 0, version_minor = 0;
+  bool is_mesh = false;
   bool has_metadata = false;
 };
 
-// INVALID_ARGUMENT when the bytes are not Draco or of an unknown kind, RESOURCE_EXHAUSTED naming
-// limit and value.
-absl::StatusOr<DracoInfo> InspectDraco(absl::string_view bytes, const DecodeLimits& limits);
+// INVALID_ARGUMENT when the bytes are not Draco or of a kind or version that is not known.
+absl::StatusOr<DracoInfo> InspectDraco(absl::string_view bytes);
 
-// Cloud with normals where the bytes have them. A mesh gives its vertices, with angle-weighted
-// normals where it has none of its own. INVALID_ARGUMENT says what is wrong; RESOURCE_EXHAUSTED
-// names limit and value.
+// Cloud with normals where the bytes have them. A mesh gives its vertices: with its own normals, or
+// angle-weighted ones, in which case vertices without one are left out. INVALID_ARGUMENT says what
+// is wrong; RESOURCE_EXHAUSTED names limit and value.
 absl::StatusOr<PointCloud> DecodeDracoCloud(absl::string_view bytes, const DecodeLimits& limits);
 
-// INVALID_ARGUMENT for a point cloud.
-absl::StatusOr<TriangleMesh> DecodeDracoMesh(absl::string_view bytes, const DecodeLimits& limits);
+// A mesh, or a cloud as a mesh without triangles; per-vertex normals (3 x N or 3 x 0) when
+// `normals` is not null.
+absl::StatusOr<TriangleMesh> DecodeDracoMesh(absl::string_view bytes, const DecodeLimits& limits,
+                                             Points3f* normals = nullptr);
 
 struct DracoCloudOptions {
   int position_bits = 14;  // 1 to 30
@@ -49,6 +50,9 @@ struct DracoCloudOptions {
   int speed = 7;           // 0 (small) to 10 (fast)
   Box box;  // quantisation box, the same for all frames of a capture; empty: the cloud's own
 };
+
+// kd-tree coding: points change their order. INVALID_ARGUMENT for an option out of range, an empty
+// cloud, or points outside the box.
 absl::StatusOr<std::string> EncodeDracoCloud(const PointCloud& cloud,
                                              const DracoCloudOptions& options);
 
@@ -56,15 +60,15 @@ struct DracoMeshOptions {
   int position_bits = 0;  // 1 to 30; 0 keeps 32-bit floats
   int speed = 7;
 };
+
+// Sequential coding: vertices and triangles keep their order. INVALID_ARGUMENT for an option out of
+// range or an empty mesh.
 absl::StatusOr<std::string> EncodeDracoMesh(const TriangleMesh& mesh,
                                             const DracoMeshOptions& options);
 
-// A sequential int32 attribute of 3 components: control vertex deltas on request. At most
-// max_vertices on decoding.
-absl::StatusOr<std::string> EncodeDracoIntegers(
-    const Eigen::Matrix<int32_t, 3, Eigen::Dynamic>& values);
-absl::StatusOr<Eigen::Matrix<int32_t, 3, Eigen::Dynamic>> DecodeDracoIntegers(
-    absl::string_view bytes, int64_t max_vertices);
+// Control vertex deltas on request: one sequential int32 attribute of three components, in order.
+absl::StatusOr<std::string> EncodeDracoIntegers(const GridPoints& values);
+absl::StatusOr<GridPoints> DecodeDracoIntegers(absl::string_view bytes, int64_t max_vertices);
 
 }  // namespace cagefit
 

@@ -48,6 +48,11 @@ class Topology {
   absl::Span<const int32_t> Ring(int32_t v) const {
     return absl::MakeConstSpan(ring_).subspan(ring_begin_[v], ring_begin_[v + 1] - ring_begin_[v]);
   }
+  // Edges from v to its ring neighbours, in the same order.
+  absl::Span<const int32_t> RingEdges(int32_t v) const {
+    return absl::MakeConstSpan(edge_of_ring_)
+        .subspan(ring_begin_[v], ring_begin_[v + 1] - ring_begin_[v]);
+  }
   // Number of neighbours.
   int32_t Valence(int32_t v) const { return ring_begin_[v + 1] - ring_begin_[v]; }
 
@@ -59,6 +64,8 @@ class Topology {
 
  private:
   Topology() = default;
+  absl::Status LinkEdges();
+  absl::Status WalkRings();
 
   int32_t vertex_count_ = 0;
   Triangles triangles_;
@@ -68,6 +75,7 @@ class Topology {
   std::vector<std::array<int32_t, 2>> edge_triangles_;  // E
   std::vector<char> boundary_vertex_;                   // n
   std::vector<int32_t> ring_begin_, ring_;
+  std::vector<int32_t> edge_of_ring_;  // edge from the vertex to that ring neighbour
 };
 
 }  // namespace cagefit

@@ -1,4 +1,4 @@
-// Uniform refinement of Loop control meshes, and limit positions and tangents of their vertices, as
+// Uniform refinement of Loop control meshes, and limit positions of their vertices, as
 // stencils.
 #ifndef CAGEFIT_CORE_SUBDIV_REFINE_H_
 #define CAGEFIT_CORE_SUBDIV_REFINE_H_
@@ -30,12 +30,6 @@ Refinement RefineOnce(const Topology& topology, const CreaseTags& tags);
 
 // Limit positions of the vertices of a mesh: n x n.
 StencilMatrix LimitPositionStencils(const Topology& topology, const CreaseTags& tags);
-
-// Two tangents of the limit surface at the vertices of a mesh, n x n each, such that tangent_u x
-// tangent_v points to the side from which triangles are counter-clockwise. Rows sum to 0. At
-// corners and at crease vertices they are those of one of the adjacent sectors.
-void LimitTangentStencils(const Topology& topology, const CreaseTags& tags,
-                          StencilMatrix* tangent_u, StencilMatrix* tangent_v);
 
 // The limit surface as a fine mesh: the control mesh refined `levels` times, its vertices moved to
 // their limit.
