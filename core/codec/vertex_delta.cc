@@ -2,25 +2,50 @@
 
 #include <isa-l/crc.h>
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 
 namespace cagefit {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+              "Checksum() reads q in place, which is its wire form on little-endian machines only");
+
+// Signed overflow is undefined, unsigned wraps; the casts back and forth keep the bits.
+int32_t WrappingAdd(int32_t a, int32_t b) {
+  return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
+}
+
+int32_t WrappingSubtract(int32_t a, int32_t b) {
+  return static_cast<int32_t>(static_cast<uint32_t>(a) - static_cast<uint32_t>(b));
+}
+
+absl::Status OutsideGrid(Eigen::Index vertex, int axis, double x) {
+  return absl::OutOfRangeError(
+      absl::StrFormat("vertex %d: coordinate %c = %g does not fit the int32 grid of the session",
+                      static_cast<int64_t>(vertex), "xyz"[axis], x));
+}
+
+}  // namespace
 
 absl::StatusOr<GridPoints> Quantize(const Points3d& vertices, const VertexGrid& grid) {
+  if (!(grid.quantum > 0) || !std::isfinite(grid.quantum) || !grid.origin.allFinite()) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "grid: quantum %g must be positive and finite, origin finite", grid.quantum));
+  }
+  constexpr double kMin = std::numeric_limits<int32_t>::min();
+  constexpr double kMax = std::numeric_limits<int32_t>::max();
   GridPoints q(3, vertices.cols());
-  for (int64_t v = 0; v < vertices.cols(); ++v) {
+  for (Eigen::Index j = 0; j < vertices.cols(); ++j) {
     for (int axis = 0; axis < 3; ++axis) {
-      const double steps = std::round((vertices(axis, v) - grid.origin[axis]) / grid.quantum);
-      if (!(steps >= std::numeric_limits<int32_t>::min() &&
-            steps <= std::numeric_limits<int32_t>::max())) {
-        return absl::OutOfRangeError(
-            absl::StrFormat("vertex %d: coordinate %g is outside the grid of quantum %g", v,
-                            vertices(axis, v), grid.quantum));
-      }
-      q(axis, v) = static_cast<int32_t>(steps);
+      const double steps = std::round((vertices(axis, j) - grid.origin[axis]) / grid.quantum);
+      if (!(steps >= kMin && steps <= kMax)) return OutsideGrid(j, axis, vertices(axis, j));
+      q(axis, j) = static_cast<int32_t>(steps);
     }
   }
   return q;
@@ -31,38 +56,40 @@ Points3d Dequantize(const GridPoints& q, const VertexGrid& grid) {
 }
 
 uint32_t Checksum(const GridPoints& q) {
-  // Columns are contiguous x y z; little-endian is the byte order of every platform that we build
-  // for.
-  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-  // ISA-L leaves the inversions before and after to its caller, and does not write through the
-  // pointer.
-  unsigned char* bytes = reinterpret_cast<unsigned char*>(const_cast<int32_t*>(q.data()));
-  return ~crc32_iscsi(bytes, static_cast<int>(q.size() * sizeof(int32_t)), ~0u);
+  // The library's length is an int, so long arrays go in pieces.
+  constexpr size_t kPiece = size_t{1} << 30;
+  auto* bytes = reinterpret_cast<unsigned char*>(const_cast<int32_t*>(q.data()));
+  size_t left = static_cast<size_t>(q.size()) * sizeof(int32_t);
+  uint32_t crc = ~uint32_t{0};
+  while (left > 0) {
+    const size_t piece = std::min(left, kPiece);
+    crc = crc32_iscsi(bytes, static_cast<int>(piece), crc);
+    bytes += piece;
+    left -= piece;
+  }
+  return ~crc;
 }
 
-VertexDelta EncodeKey(const GridPoints& q) { return {true, q, Checksum(q)}; }
+VertexDelta EncodeKey(const GridPoints& q) { return {/*key=*/true, q, Checksum(q)}; }
 
 VertexDelta EncodeDelta(const GridPoints& before, const GridPoints& after) {
-  VertexDelta delta;
-  // Unsigned arithmetic wraps by definition.
-  delta.values = (after.cast<uint32_t>() - before.cast<uint32_t>()).cast<int32_t>();
-  delta.checksum = Checksum(after);
-  return delta;
+  assert(before.cols() == after.cols());
+  return {/*key=*/false, after.binaryExpr(before, &WrappingSubtract), Checksum(after)};
 }
 
 absl::Status ApplyDelta(const VertexDelta& delta, GridPoints* q) {
   if (!delta.key && delta.values.cols() != q->cols()) {
-    return absl::DataLossError(
-        absl::StrFormat("delta: %d vertices where %d are known", delta.values.cols(), q->cols()));
+    return absl::DataLossError(absl::StrFormat("delta of %d vertices for a state of %d vertices",
+                                               static_cast<int64_t>(delta.values.cols()),
+                                               static_cast<int64_t>(q->cols())));
   }
-  GridPoints next = delta.values;
-  if (!delta.key) next = (q->cast<uint32_t>() + delta.values.cast<uint32_t>()).cast<int32_t>();
-  const uint32_t checksum = Checksum(next);
+  GridPoints after = delta.key ? delta.values : q->binaryExpr(delta.values, &WrappingAdd).eval();
+  const uint32_t checksum = Checksum(after);
   if (checksum != delta.checksum) {
-    return absl::DataLossError(
-        absl::StrFormat("delta: checksum %08x where %08x was sent", checksum, delta.checksum));
+    return absl::DataLossError(absl::StrFormat(
+        "checksum 0x%08x of the control vertices, expected 0x%08x", checksum, delta.checksum));
   }
-  q->swap(next);
+  *q = std::move(after);
   return absl::OkStatus();
 }
 

@@ -22,8 +22,8 @@ struct VertexGrid {
   double quantum = 0;                                // user units, > 0
 };
 
-// Nearest grid points. OUT_OF_RANGE naming the vertex when a coordinate is not finite or outside
-// int32.
+// Nearest grid points, halves away from zero. OUT_OF_RANGE naming the vertex when a coordinate is
+// not finite or outside int32; INVALID_ARGUMENT when the grid has no positive, finite quantum.
 absl::StatusOr<GridPoints> Quantize(const Points3d& vertices, const VertexGrid& grid);
 Points3d Dequantize(const GridPoints& q, const VertexGrid& grid);
 
@@ -39,7 +39,7 @@ struct VertexDelta {
 };
 
 VertexDelta EncodeKey(const GridPoints& q);
-// Wraps in int32, as the decoder does, so every pair of states has a delta.
+// Wraps in int32, as the decoder does, so every pair of states of one size has a delta.
 VertexDelta EncodeDelta(const GridPoints& before, const GridPoints& after);
 
 // Applies `delta` to *q. DATA_LOSS, leaving *q as it was, when the checksum or the shape does not
