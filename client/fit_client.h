@@ -51,8 +51,9 @@ class FrameStream {
 
   uint64_t next_sequence_number() const;  // as the server said when the stream opened
 
-  // Blocks while the server does not read (back-pressure). An error means that the stream has
-  // ended; Receive says why.
+  // Blocks while the server does not read, or while frames_in_flight + 1 frames are unanswered
+  // (back-pressure), so another thread has to receive. INVALID_ARGUMENT for a frame that could not
+  // be sent at all; any other error means that the stream has ended; Receive says why.
   absl::Status Send(const OutgoingFrame& frame);
   absl::Status CloseSending();
 

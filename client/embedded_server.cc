@@ -1,0 +1,43 @@
+#include "client/embedded_server.h"
+
+#include <spdlog/logger.h>
+#include <spdlog/sinks/null_sink.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "server/server.h"
+#include "server/session/private_folder.h"
+
+namespace cagefit::client {
+
+struct EmbeddedServer::Parts {
+  server::PrivateFolder folder;  // outlives the server, whose socket is in it
+  std::unique_ptr<server::Server> server;
+  std::string address;
+};
+
+absl::StatusOr<std::unique_ptr<EmbeddedServer>> EmbeddedServer::Start(int threads) {
+  ASSIGN_OR_RETURN(server::PrivateFolder folder, server::PrivateFolder::Create());
+  server::ServerOptions options;
+  const std::string address = absl::StrCat("unix:", folder.path(), "/socket");
+  options.listen = {address};
+  options.threads = threads;
+  std::error_code error;
+  options.template_program = std::filesystem::read_symlink("/proc/self/exe", error).string();
+  ASSIGN_OR_RETURN(std::unique_ptr<server::Server> server,
+                   server::Server::Start(
+                       options, std::make_shared<spdlog::logger>(
+                                    "cagefit", std::make_shared<spdlog::sinks::null_sink_mt>())));
+  return std::unique_ptr<EmbeddedServer>(new EmbeddedServer(
+      std::make_unique<Parts>(Parts{std::move(folder), std::move(server), address})));
+}
+
+EmbeddedServer::EmbeddedServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+EmbeddedServer::~EmbeddedServer() = default;
+
+const std::string& EmbeddedServer::address() const { return parts_->address; }
+
+}  // namespace cagefit::client

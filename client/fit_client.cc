@@ -1,0 +1,143 @@
+#include "client/fit_client.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client/frame_stream_call.h"
+#include "client/mesh_from_proto.h"
+#include "client/status_from_grpc.h"
+#include "core/base/status.h"
+
+namespace cagefit::client {
+namespace {
+
+constexpr size_t kMaxUnaryBytes = 3 << 20;  // above it, a request goes by stream
+constexpr size_t kChunkBytes = 1 << 20;
+constexpr size_t kMaxBlobBytes = size_t{1} << 30;
+constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
+
+// The whole of a streamed result.
+absl::StatusOr<std::string> ReadBlob(grpc::ClientContext* context,
+                                     std::unique_ptr<grpc::ClientReader<v1::DataChunk>> reader) {
+  std::string blob;
+  v1::DataChunk chunk;
+  while (reader->Read(&chunk)) {
+    if (blob.size() + chunk.data().size() > kMaxBlobBytes) {
+      context->TryCancel();
+      return absl::ResourceExhaustedError(
+          absl::StrCat("the server sends more than ", kMaxBlobBytes, " bytes"));
+    }
+    blob.append(chunk.data());
+  }
+  RETURN_IF_ERROR(FromGrpc(reader->Finish(), *context));
+  if (blob.size() != chunk.total_bytes()) {
+    return absl::DataLossError(
+        absl::StrCat("received ", blob.size(), " of ", chunk.total_bytes(), " bytes"));
+  }
+  return blob;
+}
+
+}  // namespace
+
+struct FitClient::Connection {
+  std::shared_ptr<grpc::Channel> channel;
+  std::unique_ptr<v1::Fitting::Stub> stub;
+};
+
+absl::StatusOr<std::unique_ptr<FitClient>> FitClient::Connect(const ClientOptions& options) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  // Clients of one process may be on different servers that come and go under one name.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  auto connection = std::make_unique<Connection>();
+  connection->channel =
+      grpc::CreateCustomChannel(options.address, grpc::InsecureChannelCredentials(), arguments);
+  if (!connection->channel->WaitForConnected(
+          absl::ToChronoTime(absl::Now() + options.connect_timeout))) {
+    return absl::UnavailableError(absl::StrCat("no server answers at ", options.address, " within ",
+                                               absl::FormatDuration(options.connect_timeout)));
+  }
+  connection->stub = v1::Fitting::NewStub(connection->channel);
+  return std::unique_ptr<FitClient>(new FitClient(std::move(connection)));
+}
+
+FitClient::FitClient(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+FitClient::~FitClient() = default;
+
+absl::StatusOr<v1::Session> FitClient::CreateSession(const v1::CreateSessionRequest& request) {
+  grpc::ClientContext context;
+  v1::Session session;
+  if (request.ByteSizeLong() <= kMaxUnaryBytes) {
+    RETURN_IF_ERROR(
+        FromGrpc(connection_->stub->CreateSession(&context, request, &session), context));
+    return session;
+  }
+  const std::string blob = request.SerializeAsString();
+  const auto writer = connection_->stub->CreateSessionFromStream(&context, &session);
+  v1::CreateSessionChunk chunk;
+  chunk.set_total_bytes(blob.size());
+  for (size_t sent = 0; sent < blob.size(); sent += kChunkBytes) {
+    chunk.set_data(blob.data() + sent, std::min(kChunkBytes, blob.size() - sent));
+    if (!writer->Write(chunk)) break;  // Finish says why
+  }
+  writer->WritesDone();
+  RETURN_IF_ERROR(FromGrpc(writer->Finish(), context));
+  return session;
+}
+
+absl::StatusOr<v1::Session> FitClient::GetSession(const std::string& session_id) {
+  grpc::ClientContext context;
+  v1::GetSessionRequest request;
+  request.set_session_id(session_id);
+  v1::Session session;
+  RETURN_IF_ERROR(FromGrpc(connection_->stub->GetSession(&context, request, &session), context));
+  return session;
+}
+
+absl::StatusOr<std::vector<v1::Session>> FitClient::ListSessions() {
+  std::vector<v1::Session> sessions;
+  v1::ListSessionsRequest request;
+  do {
+    grpc::ClientContext context;
+    v1::ListSessionsResponse page;
+    RETURN_IF_ERROR(FromGrpc(connection_->stub->ListSessions(&context, request, &page), context));
+    sessions.insert(sessions.end(), page.sessions().begin(), page.sessions().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return sessions;
+}
+
+absl::Status FitClient::DeleteSession(const std::string& session_id) {
+  grpc::ClientContext context;
+  v1::DeleteSessionRequest request;
+  request.set_session_id(session_id);
+  google::protobuf::Empty response;
+  return FromGrpc(connection_->stub->DeleteSession(&context, request, &response), context);
+}
+
+absl::StatusOr<ControlMesh> FitClient::GetControlMesh(const v1::GetControlMeshRequest& request) {
+  grpc::ClientContext context;
+  ASSIGN_OR_RETURN(const std::string blob,
+                   ReadBlob(&context, connection_->stub->GetControlMesh(&context, request)));
+  v1::ControlMesh mesh;
+  if (!mesh.ParseFromString(blob)) return absl::DataLossError("control mesh: cannot be parsed");
+  return FromProto(mesh);
+}
+
+absl::StatusOr<std::string> FitClient::GetSurface(const v1::GetSurfaceRequest& request) {
+  grpc::ClientContext context;
+  return ReadBlob(&context, connection_->stub->GetSurface(&context, request));
+}
+
+absl::StatusOr<std::unique_ptr<FrameStream>> FitClient::OpenStream(const std::string& session_id) {
+  auto call = std::make_unique<FrameStream::Call>();
+  RETURN_IF_ERROR(call->Open(connection_->stub.get(), session_id));
+  return std::unique_ptr<FrameStream>(new FrameStream(std::move(call)));
+}
+
+}  // namespace cagefit::client

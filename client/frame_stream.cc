@@ -1,0 +1,130 @@
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/delta_decoder.h"
+#include "client/fit_client.h"
+#include "client/frame_stream_call.h"
+#include "client/status_from_grpc.h"
+
+namespace cagefit::client {
+namespace {
+
+constexpr size_t kChunkBytes = 1 << 20;
+
+absl::Status Ended() { return absl::UnavailableError("the stream has ended; Receive says why"); }
+
+void Fill(absl::Time time, google::protobuf::Timestamp* proto) {
+  const int64_t seconds = absl::ToUnixSeconds(time);
+  proto->set_seconds(seconds);
+  proto->set_nanos(
+      static_cast<int32_t>(absl::ToInt64Nanoseconds(time - absl::FromUnixSeconds(seconds))));
+}
+
+}  // namespace
+
+absl::Status FrameStream::Call::Open(v1::Fitting::Stub* stub, const std::string& session_id) {
+  stream = stub->FitFrames(&context);
+  v1::FitFramesRequest open;
+  open.mutable_open()->set_session_id(session_id);
+  v1::FitFramesReply reply;
+  // A failed write shows as a failed read, which brings the status.
+  stream->Write(open);
+  if (!stream->Read(&reply)) return End();
+  opened = reply.opened();
+  return absl::OkStatus();
+}
+
+absl::Status FrameStream::Call::WaitForRoom() {
+  std::unique_lock<std::mutex> lock(mutex);
+  room.wait(lock, [this] {
+    return status.has_value() || unanswered < static_cast<int>(opened.frames_in_flight()) + 1;
+  });
+  if (status.has_value()) return Ended();
+  ++unanswered;
+  return absl::OkStatus();
+}
+
+absl::Status FrameStream::Call::End() {
+  const absl::Status ended = FromGrpc(stream->Finish(), context);
+  std::lock_guard<std::mutex> lock(mutex);
+  status = ended;
+  room.notify_all();
+  return ended;
+}
+
+void FrameStream::Call::Answered() {
+  std::lock_guard<std::mutex> lock(mutex);
+  --unanswered;
+  room.notify_all();
+}
+
+FrameStream::FrameStream(std::unique_ptr<Call> call) : call_(std::move(call)) {}
+
+FrameStream::~FrameStream() {
+  call_->context.TryCancel();
+  if (call_->status.has_value()) return;
+  // gRPC wants every call to be finished; after the cancel nothing blocks.
+  v1::FitFramesReply ignored;
+  while (call_->stream->Read(&ignored)) {
+  }
+  call_->stream->Finish();
+}
+
+uint64_t FrameStream::next_sequence_number() const { return call_->opened.next_sequence_number(); }
+
+absl::Status FrameStream::Send(const OutgoingFrame& frame) {
+  if (absl::Status room = call_->WaitForRoom(); !room.ok()) return room;
+  v1::FitFramesRequest request;
+  v1::FrameHeader* header = request.mutable_header();
+  header->set_sequence_number(frame.sequence_number);
+  header->set_encoding(v1::FRAME_ENCODING_DRACO);
+  header->set_total_bytes(frame.draco.size());
+  header->set_point_count(frame.point_count);
+  if (frame.timestamp.has_value()) Fill(*frame.timestamp, header->mutable_timestamp());
+  if (!call_->stream->Write(request)) return Ended();
+  for (size_t sent = 0; sent < frame.draco.size(); sent += kChunkBytes) {
+    const size_t bytes = std::min(kChunkBytes, frame.draco.size() - sent);
+    request.mutable_chunk()->set_data(frame.draco.data() + sent, bytes);
+    if (!call_->stream->Write(request)) return Ended();
+  }
+  return absl::OkStatus();
+}
+
+absl::Status FrameStream::CloseSending() {
+  return call_->stream->WritesDone() ? absl::OkStatus() : Ended();
+}
+
+absl::StatusOr<std::optional<FittedFrame>> FrameStream::Receive() {
+  if (call_->status.has_value()) {
+    if (call_->status->ok()) return std::nullopt;
+    return *call_->status;
+  }
+  v1::FitFramesReply reply;
+  if (!call_->stream->Read(&reply)) {
+    const absl::Status ended = call_->End();
+    if (ended.ok()) return std::nullopt;
+    return ended;
+  }
+  call_->Answered();
+  FittedFrame frame;
+  frame.reply = std::move(*reply.mutable_frame());
+  if (frame.reply.outcome() == v1::OUTCOME_FITTED) {
+    if (absl::Status applied = call_->decoder.Apply(frame.reply.delta()); !applied.ok()) {
+      call_->context.TryCancel();
+      return applied;
+    }
+  } else {
+    frame.status = FromProto(frame.reply.error());
+  }
+  frame.control_vertices = call_->decoder.vertices();
+  return frame;
+}
+
+void FrameStream::Cancel() { call_->context.TryCancel(); }
+
+}  // namespace cagefit::client

@@ -1,0 +1,41 @@
+// The whole service in one object: sessions, pools and network.
+#ifndef CAGEFIT_SERVER_SERVER_H_
+#define CAGEFIT_SERVER_SERVER_H_
+
+#include <spdlog/logger.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "server/server_options.h"
+
+namespace cagefit::server {
+
+class Server {
+ public:
+  // Serves when it returns. INVALID_ARGUMENT for bad options, UNAVAILABLE naming the address that
+  // cannot be listened on.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options,
+                                                       std::shared_ptr<spdlog::logger> log);
+  // As Shutdown without time to drain.
+  ~Server();
+
+  // As given, with the ports that were bound.
+  const std::vector<std::string>& addresses() const;
+
+  // Health turns to not serving, streams answer the frames in work and end with UNAVAILABLE, and
+  // what is left after `drain` is cancelled. Returns when nothing runs any more.
+  void Shutdown(absl::Duration drain);
+
+ private:
+  struct Parts;
+  explicit Server(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_SERVER_H_

@@ -1,0 +1,53 @@
+// All settings of the server: flags, a file, or CAGEFITD_... variables.
+#ifndef CAGEFIT_SERVER_SERVER_OPTIONS_H_
+#define CAGEFIT_SERVER_SERVER_OPTIONS_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace cagefit::server {
+
+struct ServerOptions {
+  std::vector<std::string> listen = {"127.0.0.1:50051"};  // HOST:PORT, port 0: any; unix:PATH
+
+  // Templates are made by this program; empty: "cagefit" beside this one.
+  std::string template_program;
+  int64_t template_memory_mib = 8192;  // of its address space; 64 to 1,048,576
+  double template_seconds = 120;       // 1 to 86,400
+
+  // What is too much.
+  int64_t max_frame_mib = 64;              // one encoded frame; 1 to 1,024
+  int64_t max_points = 4'000'000;          // of a frame; 16 to 100,000,000
+  int64_t max_control_vertices = 200'000;  // 4 to 200,000: a reply has to stay below 4 MiB
+  int64_t max_sessions = 1'000;            // 1 to 1,000,000
+  int64_t max_frames = 1'000'000;          // answered frames of a session; 1 to 1,000,000,000
+  int64_t max_history_mib = 512;           // stored replies of a session; 1 to 1,048,576
+  int64_t max_streams = 2'000;             // open at a time; 1 to 1,000,000
+  int64_t max_buffered_mib = 2'048;        // unanswered frames of all streams; 1 to 1,048,576
+
+  // How much is done at a time; 0: from the number of cores.
+  int64_t threads = 0;  // of all fits together; 0 to 1,024
+  int64_t fits = 0;     // concurrent ones; 0 to 1,024
+
+  double drain_seconds = 20;       // for frames in work when the server is told to end; 0 to 3,600
+  std::string log_level = "info";  // trace, debug, info, warning, error, off
+
+  // INVALID_ARGUMENT naming field, value and range.
+  absl::Status Validate() const;
+};
+
+struct ParsedServerOptions {
+  ServerOptions options;
+  std::optional<int> exit_code;  // set when there is nothing to run: --help, --version, or an error
+};
+
+// Flags over environment over file over default. Prints help to stdout and errors to stderr.
+ParsedServerOptions ParseServerOptions(int argc, const char* const* argv);
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_SERVER_OPTIONS_H_

@@ -1,0 +1,48 @@
+#include "server/session/error_detail.h"
+
+#include "absl/strings/cord.h"
+#include "absl/strings/str_cat.h"
+
+namespace cagefit::server {
+namespace {
+
+// One payload per part: no encoding of our own, and payloads survive copies of the status.
+constexpr char kReason[] = "cagefit/reason";
+constexpr char kField[] = "cagefit/field";
+constexpr char kValue[] = "cagefit/value";
+constexpr char kLimit[] = "cagefit/limit";
+
+std::string Payload(const absl::Status& status, const char* key) {
+  const auto payload = status.GetPayload(key);
+  return payload.has_value() ? std::string(*payload) : std::string();
+}
+
+}  // namespace
+
+absl::Status WithDetail(absl::Status status, const ErrorDetail& detail) {
+  status.SetPayload(kReason, absl::Cord(detail.reason));
+  status.SetPayload(kField, absl::Cord(detail.field));
+  status.SetPayload(kValue, absl::Cord(detail.value));
+  status.SetPayload(kLimit, absl::Cord(detail.limit));
+  return status;
+}
+
+std::optional<ErrorDetail> DetailOf(const absl::Status& status) {
+  if (!status.GetPayload(kReason).has_value()) return std::nullopt;
+  return ErrorDetail{Payload(status, kReason), Payload(status, kField), Payload(status, kValue),
+                     Payload(status, kLimit)};
+}
+
+absl::Status LimitExceeded(const std::string& field, int64_t value, int64_t limit) {
+  return WithDetail(
+      absl::ResourceExhaustedError(absl::StrCat(field, " is ", value, "; the limit is ", limit)),
+      {"LIMIT_EXCEEDED", field, absl::StrCat(value), absl::StrCat(limit)});
+}
+
+absl::Status InvalidField(const std::string& field, const std::string& value,
+                          const std::string& expected) {
+  return WithDetail(absl::InvalidArgumentError(absl::StrCat(field, " is ", value, "; ", expected)),
+                    {"INVALID_FIELD", field, value, ""});
+}
+
+}  // namespace cagefit::server

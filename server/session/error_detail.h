@@ -1,0 +1,35 @@
+// Machine-readable part of an error, carried as status payloads: what a client may act on without
+// reading the message.
+#ifndef CAGEFIT_SERVER_SESSION_ERROR_DETAIL_H_
+#define CAGEFIT_SERVER_SESSION_ERROR_DETAIL_H_
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace cagefit::server {
+
+struct ErrorDetail {
+  std::string reason;  // UPPER_SNAKE_CASE, stable
+  std::string field;   // of the request
+  std::string value;   // offending
+  std::string limit;   // that it met, if any
+};
+
+// `status` (not OK) with `detail` attached; replaces an earlier detail.
+absl::Status WithDetail(absl::Status status, const ErrorDetail& detail);
+
+// Nothing when none was attached.
+std::optional<ErrorDetail> DetailOf(const absl::Status& status);
+
+// RESOURCE_EXHAUSTED, reason LIMIT_EXCEEDED: "`field` is `value`; the limit is `limit`".
+absl::Status LimitExceeded(const std::string& field, int64_t value, int64_t limit);
+
+// INVALID_ARGUMENT, reason INVALID_FIELD: "`field` is `value`; `expected`".
+absl::Status InvalidField(const std::string& field, const std::string& value,
+                          const std::string& expected);
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_SESSION_ERROR_DETAIL_H_

@@ -1,0 +1,32 @@
+// Where the server's work runs: never on a thread that serves the network.
+#ifndef CAGEFIT_SERVER_SESSION_SCHEDULER_H_
+#define CAGEFIT_SERVER_SESSION_SCHEDULER_H_
+
+#include "server/session/worker_pool.h"
+
+namespace cagefit::server {
+
+// Three pools, so that none waits for another: frames decode while others are fitted, and a large
+// surface that somebody asks for holds up neither.
+struct Scheduler {
+  struct Options {
+    int fit_threads = 1;  // concurrent fits, each of them parallel inside
+    int decode_threads = 1;
+    int query_threads = 1;
+    int64_t max_queued = 4096;  // tasks that may wait in each pool
+  };
+
+  explicit Scheduler(const Options& options)
+      : queries("requests", options.query_threads, options.max_queued),
+        fits("fits", options.fit_threads, options.max_queued),
+        decodes("decodes", options.decode_threads, options.max_queued) {}
+
+  // Destroyed from the last to the first: decodes still hand over to fits.
+  WorkerPool queries;  // key: anything
+  WorkerPool fits;     // key: session, whose lease the task takes
+  WorkerPool decodes;  // key: stream
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_SESSION_SCHEDULER_H_

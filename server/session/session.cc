@@ -1,0 +1,210 @@
+#include "server/session/session.h"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "server/session/error_detail.h"
+
+namespace cagefit::server {
+namespace {
+
+// These answer the frame for good; all other errors leave it unanswered.
+bool Rejects(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) || absl::IsInternal(status);
+}
+
+StoredFrame Unanswered(const Frame& frame) {
+  StoredFrame answer;
+  answer.sequence_number = frame.sequence_number;
+  answer.timestamp = frame.timestamp;
+  answer.digest = frame.digest;
+  answer.points = frame.cloud.ok() ? frame.cloud->size() : 0;
+  answer.ms.queue = frame.queue_ms;
+  answer.ms.decode = frame.decode_ms;
+  return answer;
+}
+
+absl::Status Diverged(const absl::Status& cause) {
+  return WithDetail(
+      absl::InternalError(absl::StrCat("the fit of this frame diverged: ", cause.message())),
+      {"FIT_DIVERGED", "", "", ""});
+}
+
+absl::Status SequenceGap(uint64_t number, uint64_t expected) {
+  return WithDetail(
+      absl::OutOfRangeError(
+          absl::StrCat("header.sequence_number is ", number, "; expected ", expected)),
+      {"SEQUENCE_GAP", "header.sequence_number", absl::StrCat(number), absl::StrCat(expected)});
+}
+
+absl::Status OtherBytes(uint64_t number) {
+  return WithDetail(absl::AlreadyExistsError(
+                        absl::StrCat("header.sequence_number is ", number,
+                                     "; that frame was answered before and had other bytes")),
+                    {"SEQUENCE_CONFLICT", "header.sequence_number", absl::StrCat(number), ""});
+}
+
+}  // namespace
+
+Session::Session(std::shared_ptr<SessionLedger> ledger, TemplateMaker* templates, ClockFn clock)
+    : ledger_(std::move(ledger)), templates_(templates), clock_(std::move(clock)) {}
+
+absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
+                                            const CancelFn& cancelled) {
+  RETURN_IF_ERROR(ledger_->CheckEpoch(epoch));
+  if (stream_epoch_ != epoch) key_needed_ = true;
+  stream_epoch_ = epoch;
+
+  const uint64_t expected = ledger_->Facts().next_sequence_number;
+  if (frame.sequence_number < expected) return Repeat(frame);
+  if (frame.sequence_number > expected) return SequenceGap(frame.sequence_number, expected);
+  RETURN_IF_ERROR(ledger_->CheckRoom());
+
+  const StoredFrame unanswered = Unanswered(frame);
+  auto answer = std::make_shared<StoredFrame>(unanswered);
+  answer->outcome = Outcome::kFitted;
+  Step step;
+  absl::Status fitted;
+  try {
+    fitted = Fit(frame, cancelled, answer.get(), &step);
+  } catch (const std::bad_alloc&) {
+    fitted =
+        WithDetail(absl::ResourceExhaustedError("the server has no memory left to fit this frame"),
+                   {"LIMIT_EXCEEDED", "memory", "", ""});
+  }
+  if (Rejects(fitted)) {
+    *answer = unanswered;  // nothing of a fit that came to nothing
+    answer->outcome = Outcome::kRejected;
+    answer->error = fitted;
+  } else {
+    RETURN_IF_ERROR(fitted);
+  }
+  RETURN_IF_ERROR(Store(epoch, answer, std::move(step)));
+  return FrameAnswer{std::move(answer)};
+}
+
+absl::StatusOr<FrameAnswer> Session::Repeat(const Frame& frame) {
+  std::shared_ptr<const StoredFrame> stored = ledger_->Find(frame.sequence_number);
+  if (stored->digest != frame.digest) return OtherBytes(frame.sequence_number);
+  if (stored->outcome == Outcome::kRejected || ledger_->config().quantum == 0) {
+    return FrameAnswer{std::move(stored), /*repeated=*/true};
+  }
+  // Who asks again may not know the state before that frame, and does not know the latest one
+  // afterwards: this answer and the next new one are key frames.
+  key_needed_ = true;
+  ASSIGN_OR_RETURN(const GridPoints q, ledger_->GridPointsOfFrame(frame.sequence_number));
+  auto keyed = std::make_shared<StoredFrame>(*stored);
+  ASSIGN_OR_RETURN(keyed->delta,
+                   Encode(EncodeKey(q), stored->delta.grid, ledger_->config().delta_encoding));
+  return FrameAnswer{std::move(keyed), /*repeated=*/true};
+}
+
+absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer,
+                          Step* step) {
+  RETURN_IF_ERROR(frame.cloud.status());
+  if (!model_.has_value()) {
+    ASSIGN_OR_RETURN(step->first_model, MakeModel(frame, cancelled, answer));
+  }
+  SurfaceModel& model = model_.has_value() ? *model_ : *step->first_model;
+
+  const Points3d& start = !model_.has_value() ? model.template_mesh().vertices()
+                          : lost_             ? last_good_
+                                              : vertices_;
+  Points3d fitted;
+  auto summary = model.fitter().Fit(*frame.cloud, start, cancelled, clock_, &fitted);
+  if (absl::IsInternal(summary.status())) return Diverged(summary.status());
+  RETURN_IF_ERROR(summary.status());
+  answer->fit = *summary;
+  answer->ms.index = summary->index_ms;
+  answer->ms.solve = summary->solve_ms;
+
+  const double encode_start = clock_();
+  RETURN_IF_ERROR(EncodeState(model, fitted, answer, step));
+  const double measure_start = clock_();
+  answer->ms.encode = measure_start - encode_start;
+
+  // What the client will have is measured, not what the solver had before rounding.
+  const Judgement judgement =
+      model.Judge(*frame.cloud, step->vertices, MedianRms(), answer->fit.radius);
+  answer->distances = judgement.distances;
+  answer->rms_percent = judgement.rms_percent;
+  answer->verdict = judgement.verdict;
+  answer->ms.measure = clock_() - measure_start;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const CancelFn& cancelled,
+                                                StoredFrame* answer) {
+  const SessionConfig& config = ledger_->config();
+  const double start = clock_();
+  std::optional<ControlMesh> template_mesh = config.control_mesh;
+  if (!template_mesh.has_value()) {
+    ASSIGN_OR_RETURN(template_mesh,
+                     templates_->Make(frame.bytes, config.template_vertices, cancelled));
+    answer->made_template = true;
+    const int32_t most = ledger_->limits().max_control_vertices;
+    if (template_mesh->vertex_count() > most) {
+      return LimitExceeded("control vertices of the template", template_mesh->vertex_count(), most);
+    }
+  }
+  auto model = SurfaceModel::Create(*template_mesh, *frame.cloud, config);
+  answer->ms.template_making = clock_() - start;
+  return model;
+}
+
+absl::Status Session::EncodeState(const SurfaceModel& model, const Points3d& fitted,
+                                  StoredFrame* answer, Step* step) const {
+  const SessionConfig& config = ledger_->config();
+  if (config.quantum == 0) {
+    const Points3f positions = fitted.cast<float>();
+    if (!positions.allFinite()) {
+      return Diverged(absl::OutOfRangeError("a control vertex does not fit into float32"));
+    }
+    step->vertices = positions.cast<double>();
+    answer->delta = EncodePositions(positions);
+    return absl::OkStatus();
+  }
+  auto q = Quantize(fitted, model.grid());
+  if (!q.ok()) return Diverged(q.status());
+  step->q = *std::move(q);
+  step->vertices = Dequantize(step->q, model.grid());
+  const bool key =
+      key_needed_ || !model_.has_value() || fitted_since_key_ + 1 >= config.key_interval;
+  ASSIGN_OR_RETURN(answer->delta, Encode(key ? EncodeKey(step->q) : EncodeDelta(q_, step->q),
+                                         model.grid(), config.delta_encoding));
+  return absl::OkStatus();
+}
+
+absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step) {
+  if (answer->outcome == Outcome::kRejected) {
+    return ledger_->Append(epoch, answer, std::nullopt, std::nullopt);
+  }
+  const SurfaceModel& model = model_.has_value() ? *model_ : *step.first_model;
+  std::optional<ControlMesh> made_template;
+  if (answer->made_template) made_template = model.template_mesh();
+  RETURN_IF_ERROR(ledger_->Append(epoch, answer, model.template_mesh().WithVertices(step.vertices),
+                                  std::move(made_template)));
+
+  if (step.first_model.has_value()) {
+    model_ = std::move(step.first_model);
+    last_good_ = model_->template_mesh().vertices();
+  }
+  vertices_ = std::move(step.vertices);
+  q_ = std::move(step.q);
+  lost_ = answer->verdict == Verdict::kLost;
+  if (!lost_) last_good_ = vertices_;
+  if (answer->verdict == Verdict::kOk) {
+    const double rms = answer->distances.rms;
+    ok_rms_.insert(std::upper_bound(ok_rms_.begin(), ok_rms_.end(), rms), rms);
+  }
+  fitted_since_key_ = answer->delta.key ? 0 : fitted_since_key_ + 1;
+  key_needed_ = false;
+  return absl::OkStatus();
+}
+
+double Session::MedianRms() const { return ok_rms_.empty() ? 0 : ok_rms_[ok_rms_.size() / 2]; }
+
+}  // namespace cagefit::server

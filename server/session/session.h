@@ -1,0 +1,81 @@
+// A session at work: frames go in one by one, answers come out and are stored.
+#ifndef CAGEFIT_SERVER_SESSION_SESSION_H_
+#define CAGEFIT_SERVER_SESSION_SESSION_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/cancel.h"
+#include "server/session/frame.h"
+#include "server/session/session_ledger.h"
+#include "server/session/stored_frame.h"
+#include "server/session/surface_model.h"
+#include "server/session/template_maker.h"
+
+namespace cagefit::server {
+
+struct FrameAnswer {
+  std::shared_ptr<const StoredFrame> frame;
+  bool repeated = false;  // stored earlier; nothing was fitted
+};
+
+// One user at a time: through a SessionLease.
+//
+// A fit reads the session's config, its template, the control vertices after the fitted frame
+// before (as the client has them), and the frame's bytes; nothing else, so the same frames give the
+// same bits.
+class Session {
+ public:
+  // `templates` must outlive the session.
+  Session(std::shared_ptr<SessionLedger> ledger, TemplateMaker* templates, ClockFn clock);
+
+  const std::shared_ptr<SessionLedger>& ledger() const { return ledger_; }
+
+  // Answers a decoded frame that came by the stream of `epoch`.
+  //
+  // The next number is fitted, or rejected for good with INVALID_ARGUMENT or INTERNAL in the
+  // answer, and stored. An earlier number gets its stored answer. An error leaves the session as it
+  // was, stores nothing and is the end of the stream: ALREADY_EXISTS for an earlier number with
+  // other bytes, OUT_OF_RANGE naming the expected number for a later one, ABORTED when the epoch
+  // has passed, CANCELLED, RESOURCE_EXHAUSTED, FAILED_PRECONDITION.
+  absl::StatusOr<FrameAnswer> Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled);
+
+ private:
+  // What a fit leaves behind; moved into the session once the answer is stored.
+  struct Step {
+    std::optional<SurfaceModel> first_model;  // of the first fitted frame
+    Points3d vertices;                        // as the client will have them
+    GridPoints q;
+  };
+
+  absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
+  absl::Status Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer, Step* step);
+  absl::StatusOr<SurfaceModel> MakeModel(const Frame& frame, const CancelFn& cancelled,
+                                         StoredFrame* answer);
+  absl::Status EncodeState(const SurfaceModel& model, const Points3d& fitted, StoredFrame* answer,
+                           Step* step) const;
+  absl::Status Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step);
+  double MedianRms() const;
+
+  std::shared_ptr<SessionLedger> ledger_;
+  TemplateMaker* templates_;
+  ClockFn clock_;
+
+  std::optional<SurfaceModel> model_;  // empty until a frame is fitted
+  Points3d vertices_;                  // 3 x n after the last fitted frame, as the client has them
+  GridPoints q_;                       // the same on the grid
+  Points3d last_good_;                 // after the last frame that was not LOST
+  bool lost_ = false;                  // the last fitted frame was LOST
+  std::vector<double> ok_rms_;         // of the frames judged OK, sorted
+
+  uint64_t stream_epoch_ = 0;
+  bool key_needed_ = true;  // the client may not know q_
+  uint32_t fitted_since_key_ = 0;
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_SESSION_SESSION_H_

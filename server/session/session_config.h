@@ -1,0 +1,49 @@
+// What a session is made from, and the limits that it lives within.
+#ifndef CAGEFIT_SERVER_SESSION_SESSION_CONFIG_H_
+#define CAGEFIT_SERVER_SESSION_SESSION_CONFIG_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "core/codec/draco_codec.h"
+#include "core/fit/fit_options.h"
+#include "core/mesh/control_mesh.h"
+
+namespace cagefit::server {
+
+enum class DeltaEncoding { kPacked, kDraco };
+
+// Fixed when the session is made; every fit reads it.
+struct SessionConfig {
+  std::string name;  // for people; at most kMaxNameBytes
+  FitOptions fit;
+  double quantum = 1e-5;  // of the first target's diagonal; 1e-9 to 1e-2, or 0: float32 positions
+  DeltaEncoding delta_encoding = DeltaEncoding::kPacked;
+  uint32_t key_interval = 100;  // a key frame at least every so many frames; 1 to 100,000
+
+  // Exactly one of the two: a control mesh, or how many vertices the one made from the first frame
+  // shall have.
+  std::optional<ControlMesh> control_mesh;
+  int32_t template_vertices = 0;  // 4 or more when asked for
+
+  static constexpr size_t kMaxNameBytes = 200;
+
+  // INVALID_ARGUMENT naming field, value and range.
+  absl::Status Validate() const;
+};
+
+// Per-server limits that sessions and their frames are held against.
+struct SessionLimits {
+  DecodeLimits decode;
+  int64_t max_frame_bytes = 64 << 20;  // encoded
+  int32_t max_control_vertices = 200'000;
+  int64_t max_frames = 1'000'000;                  // answered frames of a session
+  int64_t max_history_bytes = int64_t{256} << 20;  // stored replies of a session
+  int64_t max_surface_triangles = 5'000'000;       // of a refined surface that is sent
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_SESSION_SESSION_CONFIG_H_

@@ -1,0 +1,44 @@
+// Receives one large request in chunks.
+#ifndef CAGEFIT_SERVER_TRANSPORT_BLOB_READER_H_
+#define CAGEFIT_SERVER_TRANSPORT_BLOB_READER_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "cagefit/v1/fitting.pb.h"
+#include "server/transport/byte_budget.h"
+#include "server/transport/service_state.h"
+
+namespace cagefit::server {
+
+// Deletes itself when gRPC is done with it.
+class BlobReader : public grpc::ServerReadReactor<v1::CreateSessionChunk> {
+ public:
+  // `take` gets the whole and runs in the scheduler's pool for requests.
+  static BlobReader* Start(const ServiceState& state, grpc::CallbackServerContext* context,
+                           std::function<absl::Status(const std::string&)> take);
+
+  void OnReadDone(bool ok) override;
+  void OnDone() override { delete this; }
+
+ private:
+  BlobReader(const ServiceState& state, grpc::CallbackServerContext* context,
+             std::function<absl::Status(const std::string&)> take);
+  absl::Status Append();
+  void End();
+
+  const ServiceState& state_;
+  grpc::CallbackServerContext* const context_;
+  const std::function<absl::Status(const std::string&)> take_;
+  ByteReservation reservation_;
+  v1::CreateSessionChunk chunk_;
+  std::string blob_;
+  uint64_t total_bytes_ = 0;
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_TRANSPORT_BLOB_READER_H_

@@ -1,0 +1,39 @@
+// Sends one large result in chunks.
+#ifndef CAGEFIT_SERVER_TRANSPORT_BLOB_WRITER_H_
+#define CAGEFIT_SERVER_TRANSPORT_BLOB_WRITER_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <functional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "cagefit/v1/fitting.pb.h"
+#include "server/transport/service_state.h"
+
+namespace cagefit::server {
+
+// Deletes itself when gRPC is done with it.
+class BlobWriter : public grpc::ServerWriteReactor<v1::DataChunk> {
+ public:
+  // `make` runs in the scheduler's pool for requests.
+  static BlobWriter* Start(const ServiceState& state, grpc::CallbackServerContext* context,
+                           std::function<absl::StatusOr<std::string>()> make);
+
+  void OnWriteDone(bool ok) override;
+  void OnDone() override { delete this; }
+
+ private:
+  explicit BlobWriter(grpc::CallbackServerContext* context) : context_(context) {}
+  void Begin(absl::StatusOr<std::string> blob);
+  void WriteNext();
+
+  grpc::CallbackServerContext* const context_;
+  std::string blob_;
+  size_t sent_ = 0;
+  v1::DataChunk chunk_;
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_TRANSPORT_BLOB_WRITER_H_

@@ -1,0 +1,197 @@
+#include "server/transport/fit_frames_call.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "server/session/error_detail.h"
+#include "server/transport/frame_log.h"
+#include "server/transport/reply_convert.h"
+#include "server/transport/status_convert.h"
+
+namespace cagefit::server {
+
+FitFramesCall* FitFramesCall::Start(const ServiceState* state,
+                                    grpc::CallbackServerContext* context) {
+  std::shared_ptr<FitFramesCall> call(new FitFramesCall(state, context));
+  call->self_ = call;
+  const absl::Status added = state->streams->Add(call);
+  std::lock_guard<std::mutex> lock(call->mutex_);
+  if (added.ok()) {
+    call->ReadOn();
+  } else {
+    call->EndNow(added);
+  }
+  return call.get();
+}
+
+FitFramesCall::FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context)
+    : state_(state),
+      context_(context),
+      assembler_(state->store->session_limits().max_frame_bytes, state->budget) {}
+
+void FitFramesCall::OnReadDone(bool ok) {
+  const std::shared_ptr<FitFramesCall> self = shared_from_this();
+  std::lock_guard<std::mutex> lock(mutex_);
+  reading_ = false;
+  if (end_.has_value()) return;
+  if (!ok) {
+    // The client has closed its side, or is gone, which OnCancel says.
+    EndAfterFrames(ledger_ == nullptr
+                       ? InvalidField("open", "not sent", "expected it as the first message")
+                       : assembler_.CheckBetweenFrames());
+    return;
+  }
+  const absl::Status taken = Take(&request_);
+  if (!taken.ok()) EndAfterFrames(taken);
+  ReadOn();
+}
+
+absl::Status FitFramesCall::Take(v1::FitFramesRequest* request) {
+  if (ledger_ == nullptr) {
+    if (request->has_open()) return Open(request->open().session_id());
+    return WithDetail(absl::InvalidArgumentError("open: expected as the first message"),
+                      {"PROTOCOL_VIOLATION", "open", "", ""});
+  }
+  ASSIGN_OR_RETURN(std::optional<ReceivedFrame> received, assembler_.Add(request));
+  return received.has_value() ? Submit(*std::move(received)) : absl::OkStatus();
+}
+
+absl::Status FitFramesCall::Open(const std::string& session_id) {
+  ASSIGN_OR_RETURN(std::shared_ptr<SessionLedger> ledger, state_->store->Find(session_id));
+  const std::weak_ptr<FitFramesCall> weak = weak_from_this();
+  ASSIGN_OR_RETURN(const SessionLedger::StreamOpening opening,
+                   ledger->OpenStream([weak](const absl::Status& status) {
+                     if (const auto call = weak.lock()) call->Stop(status);
+                   }));
+  ledger_ = std::move(ledger);
+  epoch_ = opening.epoch;
+  Outgoing outgoing;
+  v1::StreamOpened* opened = outgoing.message.mutable_opened();
+  opened->set_epoch(opening.epoch);
+  opened->set_next_sequence_number(opening.next_sequence_number);
+  opened->set_frames_in_flight(kFramesInFlight);
+  Send(std::move(outgoing));
+  return absl::OkStatus();
+}
+
+absl::Status FitFramesCall::Submit(ReceivedFrame received) {
+  ++in_flight_;
+  auto shared = std::make_shared<ReceivedFrame>(std::move(received));
+  return state_->scheduler->decodes.Run(
+      absl::StrCat(reinterpret_cast<uintptr_t>(this)),
+      [self = shared_from_this(), shared, ready_ms = state_->clock()] {
+        self->Decode(shared, ready_ms);
+      });
+}
+
+void FitFramesCall::Decode(std::shared_ptr<ReceivedFrame> received, double ready_ms) {
+  if (abandoned_) return;
+  received->frame.queue_ms = state_->clock() - ready_ms;
+  DecodeFrame(state_->store->session_limits().decode, state_->clock, &received->frame);
+  const absl::Status queued = state_->scheduler->fits.Run(
+      ledger_->id(), [self = shared_from_this(), received, ready_ms = state_->clock()] {
+        self->Fit(received, ready_ms);
+      });
+  if (!queued.ok()) Stop(queued);
+}
+
+void FitFramesCall::Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms) {
+  if (abandoned_) return;
+  received->frame.queue_ms += state_->clock() - ready_ms;
+  const absl::StatusOr<FrameAnswer> answer = Answer(std::move(received->frame));
+  if (!answer.ok()) return Stop(answer.status());
+  LogFrame(*state_->log, ledger_->id(), *answer);
+  Outgoing outgoing;
+  *outgoing.message.mutable_frame() = ToProto(*answer, *ledger_);
+  outgoing.answers_frame = true;
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!abandoned_) Send(std::move(outgoing));
+}
+
+absl::StatusOr<FrameAnswer> FitFramesCall::Answer(Frame frame) {
+  ASSIGN_OR_RETURN(const SessionLease session, state_->store->Lease(ledger_->id()));
+  return session->Answer(std::move(frame), epoch_, [this] { return abandoned_.load(); });
+}
+
+void FitFramesCall::Send(Outgoing outgoing) {
+  outgoing_.push_back(std::move(outgoing));
+  MoveOn();
+}
+
+void FitFramesCall::OnWriteDone(bool ok) {
+  const std::shared_ptr<FitFramesCall> self = shared_from_this();
+  std::lock_guard<std::mutex> lock(mutex_);
+  writing_ = false;
+  if (outgoing_.front().answers_frame) --in_flight_;
+  outgoing_.pop_front();
+  if (!ok) {
+    outgoing_.clear();
+    EndNow(absl::CancelledError("the client is gone"));
+    return;
+  }
+  ReadOn();
+  MoveOn();
+}
+
+void FitFramesCall::OnCancel() {
+  const std::shared_ptr<FitFramesCall> self = shared_from_this();
+  std::lock_guard<std::mutex> lock(mutex_);
+  // The one that is being written stays until OnWriteDone.
+  outgoing_.erase(outgoing_.begin() + (writing_ ? 1 : 0), outgoing_.end());
+  EndNow(absl::CancelledError("the client cancelled the stream or its deadline passed"));
+}
+
+void FitFramesCall::Stop(const absl::Status& status) {
+  const std::shared_ptr<FitFramesCall> self = shared_from_this();
+  std::lock_guard<std::mutex> lock(mutex_);
+  EndNow(status);
+}
+
+void FitFramesCall::Drain(const absl::Status& status) {
+  const std::shared_ptr<FitFramesCall> self = shared_from_this();
+  std::lock_guard<std::mutex> lock(mutex_);
+  EndAfterFrames(status);
+}
+
+void FitFramesCall::EndAfterFrames(const absl::Status& status) {
+  if (!end_.has_value()) end_ = status;
+  MoveOn();
+}
+
+void FitFramesCall::EndNow(const absl::Status& status) {
+  // A frame's error comes before the end that was only waiting for the frames.
+  if (!end_.has_value() || !abandoned_) end_ = status;
+  abandoned_ = true;
+  MoveOn();
+}
+
+void FitFramesCall::ReadOn() {
+  if (reading_ || end_.has_value() || in_flight_ >= kFramesInFlight) return;
+  reading_ = true;
+  StartRead(&request_);
+}
+
+void FitFramesCall::MoveOn() {
+  if (writing_ || finished_) return;
+  if (!outgoing_.empty()) {
+    writing_ = true;
+    StartWrite(&outgoing_.front().message);
+    return;
+  }
+  if (!end_.has_value() || (in_flight_ > 0 && !abandoned_)) return;
+  finished_ = true;
+  abandoned_ = true;
+  Finish(ToGrpc(*end_, context_));
+}
+
+void FitFramesCall::OnDone() {
+  state_->streams->Remove(this);
+  if (ledger_ != nullptr) {
+    ledger_->CloseStream(epoch_);
+    LogStreamEnd(*state_->log, ledger_->id(), epoch_, *end_);
+  }
+  const std::shared_ptr<FitFramesCall> last = std::move(self_);
+}
+
+}  // namespace cagefit::server

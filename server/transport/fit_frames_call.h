@@ -1,0 +1,81 @@
+// One FitFrames stream: frames in, answers out, in order.
+//
+// Reactions and tasks only move the stream's own state along, under its mutex; hashing, decoding
+// and fitting run in the scheduler's pools. At most kFramesInFlight complete frames are unanswered:
+// then nothing is read, and the client feels it.
+#ifndef CAGEFIT_SERVER_TRANSPORT_FIT_FRAMES_CALL_H_
+#define CAGEFIT_SERVER_TRANSPORT_FIT_FRAMES_CALL_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "cagefit/v1/fitting.grpc.pb.h"
+#include "server/transport/frame_assembler.h"
+#include "server/transport/service_state.h"
+
+namespace cagefit::server {
+
+inline constexpr int kFramesInFlight = 2;
+
+class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>,
+                      public DrainableStream,
+                      public std::enable_shared_from_this<FitFramesCall> {
+ public:
+  // The call owns itself until gRPC is done with it and no task holds it.
+  static FitFramesCall* Start(const ServiceState* state, grpc::CallbackServerContext* context);
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override;
+  void OnDone() override;
+  void Drain(const absl::Status& status) override;
+
+ private:
+  struct Outgoing {
+    v1::FitFramesReply message;
+    bool answers_frame = false;
+  };
+
+  FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context);
+
+  // Under the mutex.
+  absl::Status Take(v1::FitFramesRequest* request);
+  absl::Status Open(const std::string& session_id);
+  absl::Status Submit(ReceivedFrame received);
+  void Send(Outgoing outgoing);
+  void EndAfterFrames(const absl::Status& status);  // those in flight are still answered
+  void EndNow(const absl::Status& status);          // only answers that wait are still sent
+  void ReadOn();
+  void MoveOn();  // starts the next write, or finishes
+
+  // In the pools.
+  void Decode(std::shared_ptr<ReceivedFrame> received, double ready_ms);
+  void Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms);
+  absl::StatusOr<FrameAnswer> Answer(Frame frame);
+  void Stop(const absl::Status& status);  // EndNow from outside
+
+  const ServiceState* const state_;
+  grpc::CallbackServerContext* const context_;
+  std::shared_ptr<FitFramesCall> self_;  // until OnDone
+  std::atomic<bool> abandoned_{false};   // frames in flight are not wanted any more
+
+  std::mutex mutex_;
+  v1::FitFramesRequest request_;
+  FrameAssembler assembler_;
+  std::shared_ptr<SessionLedger> ledger_;  // once open; then constant, as is epoch_
+  uint64_t epoch_ = 0;
+  int in_flight_ = 0;  // complete frames whose answers are not written
+  bool reading_ = false, writing_ = false, finished_ = false;
+  std::deque<Outgoing> outgoing_;  // the first one is being written while writing_
+  std::optional<absl::Status> end_;
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_TRANSPORT_FIT_FRAMES_CALL_H_

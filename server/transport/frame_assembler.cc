@@ -1,0 +1,87 @@
+#include "server/transport/frame_assembler.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "server/session/error_detail.h"
+#include "server/transport/time_convert.h"
+
+namespace cagefit::server {
+namespace {
+
+absl::Status Violation(const std::string& field, const std::string& message) {
+  return WithDetail(absl::InvalidArgumentError(absl::StrCat(field, ": ", message)),
+                    {"PROTOCOL_VIOLATION", field, "", ""});
+}
+
+}  // namespace
+
+FrameAssembler::FrameAssembler(int64_t max_frame_bytes, ByteBudget* budget)
+    : max_frame_bytes_(max_frame_bytes), budget_(budget) {}
+
+absl::StatusOr<std::optional<ReceivedFrame>> FrameAssembler::Add(v1::FitFramesRequest* request) {
+  switch (request->message_case()) {
+    case v1::FitFramesRequest::kHeader:
+      RETURN_IF_ERROR(Begin(request->header()));
+      break;
+    case v1::FitFramesRequest::kChunk:
+      RETURN_IF_ERROR(Append(request->mutable_chunk()));
+      break;
+    case v1::FitFramesRequest::kOpen:
+      return Violation("open", "the stream is open already");
+    case v1::FitFramesRequest::MESSAGE_NOT_SET:
+      return Violation("message", "expected open, header or chunk");
+  }
+  if (current_->frame.bytes.size() < total_bytes_) return std::nullopt;
+  return std::exchange(current_, std::nullopt);
+}
+
+absl::Status FrameAssembler::Begin(const v1::FrameHeader& header) {
+  RETURN_IF_ERROR(CheckBetweenFrames());
+  if (header.encoding() != v1::FRAME_ENCODING_UNSPECIFIED &&
+      header.encoding() != v1::FRAME_ENCODING_DRACO) {
+    return InvalidField("header.encoding", absl::StrCat(header.encoding()),
+                        "this server does not know that value");
+  }
+  if (header.total_bytes() > static_cast<uint64_t>(max_frame_bytes_)) {
+    return LimitExceeded("header.total_bytes", static_cast<int64_t>(header.total_bytes()),
+                         max_frame_bytes_);
+  }
+  current_ = ReceivedFrame{Frame(), ByteReservation(budget_)};
+  total_bytes_ = header.total_bytes();
+  current_->frame.sequence_number = header.sequence_number();
+  current_->frame.point_count = header.point_count();
+  if (header.has_timestamp()) current_->frame.timestamp = FromProto(header.timestamp());
+  return absl::OkStatus();
+}
+
+absl::Status FrameAssembler::Append(v1::FrameChunk* chunk) {
+  if (!current_.has_value()) return Violation("chunk", "a frame begins with its header");
+  const std::string& data = chunk->data();
+  if (data.empty() || data.size() > kMaxChunkBytes) {
+    return InvalidField("chunk.data", absl::StrCat(data.size(), " bytes long"),
+                        absl::StrCat("expected 1 to ", kMaxChunkBytes));
+  }
+  std::string& bytes = current_->frame.bytes;
+  if (data.size() > total_bytes_ - bytes.size()) {
+    return InvalidField("chunk.data", absl::StrCat(bytes.size() + data.size(), " bytes in all"),
+                        absl::StrCat("header.total_bytes is ", total_bytes_));
+  }
+  RETURN_IF_ERROR(current_->reservation.Grow(static_cast<int64_t>(data.size())));
+  if (bytes.empty()) {
+    bytes = std::move(*chunk->mutable_data());
+  } else {
+    bytes.append(data);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status FrameAssembler::CheckBetweenFrames() const {
+  if (!current_.has_value()) return absl::OkStatus();
+  return Violation("chunk",
+                   absl::StrCat("frame ", current_->frame.sequence_number, " has ",
+                                current_->frame.bytes.size(), " of ", total_bytes_, " bytes"));
+}
+
+}  // namespace cagefit::server

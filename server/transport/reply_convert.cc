@@ -1,0 +1,102 @@
+#include "server/transport/reply_convert.h"
+
+#include <utility>
+
+#include "server/transport/session_convert.h"
+#include "server/transport/status_convert.h"
+#include "server/transport/time_convert.h"
+
+namespace cagefit::server {
+namespace {
+
+v1::Verdict ToProto(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOk:
+      return v1::VERDICT_OK;
+    case Verdict::kSuspect:
+      return v1::VERDICT_SUSPECT;
+    case Verdict::kLost:
+      return v1::VERDICT_LOST;
+  }
+  return v1::VERDICT_UNSPECIFIED;
+}
+
+void Fill(const EncodedDelta& delta, v1::VertexDelta* proto) {
+  proto->set_key(delta.key);
+  proto->set_origin_x(delta.grid.origin.x());
+  proto->set_origin_y(delta.grid.origin.y());
+  proto->set_origin_z(delta.grid.origin.z());
+  proto->set_quantum(delta.grid.quantum);
+  proto->mutable_packed()->Add(delta.values.data(), delta.values.data() + delta.values.size());
+  proto->set_draco(delta.draco);
+  proto->mutable_positions()->Add(delta.positions.data(),
+                                  delta.positions.data() + delta.positions.size());
+  proto->set_crc32c(delta.checksum);
+}
+
+void Fill(const Energies& energies, v1::Energies* proto) {
+  proto->set_distance(energies.distance);
+  proto->set_arap(energies.arap);
+}
+
+void Fill(const StoredFrame& frame, v1::SampledDistances* proto) {
+  proto->set_mean(frame.distances.mean);
+  proto->set_rms(frame.distances.rms);
+  proto->set_max(frame.distances.max);
+  proto->set_rms_percent(frame.rms_percent);
+  proto->set_uncovered_share(frame.distances.uncovered_share);
+  proto->set_samples(frame.distances.samples);
+}
+
+void Fill(const StageTimes& ms, v1::StageMilliseconds* proto) {
+  proto->set_queue(ms.queue);
+  proto->set_decode(ms.decode);
+  proto->set_template_(ms.template_making);
+  proto->set_index(ms.index);
+  proto->set_solve(ms.solve);
+  proto->set_measure(ms.measure);
+  proto->set_encode(ms.encode);
+}
+
+void FillFit(const StoredFrame& frame, v1::FrameReply* reply) {
+  Fill(frame.delta, reply->mutable_delta());
+  Fill(frame.fit.initial, reply->mutable_initial_energies());
+  Fill(frame.fit.final, reply->mutable_final_energies());
+  reply->set_iterations(frame.fit.iterations);
+  reply->set_converged(frame.fit.converged);
+  Fill(frame, reply->mutable_distances());
+  reply->set_verdict(ToProto(frame.verdict));
+  reply->set_radius(frame.fit.radius);
+  reply->set_radius_in_spacings(frame.fit.radius_in_spacings);
+  reply->set_grown_samples(frame.fit.grown_samples);
+  reply->set_far_samples(frame.fit.far_samples);
+}
+
+}  // namespace
+
+v1::FrameReply ToProto(const FrameAnswer& answer, const SessionLedger& ledger) {
+  const StoredFrame& frame = *answer.frame;
+  v1::FrameReply reply;
+  reply.set_sequence_number(frame.sequence_number);
+  if (frame.timestamp.has_value()) *reply.mutable_timestamp() = ToProto(*frame.timestamp);
+  reply.set_repeated_reply(answer.repeated);
+  reply.set_points(frame.points);
+  Fill(frame.ms, reply.mutable_milliseconds());
+  if (frame.outcome == Outcome::kRejected) {
+    reply.set_outcome(v1::OUTCOME_REJECTED);
+    *reply.mutable_error() = ToProto(frame.error);
+    return reply;
+  }
+  reply.set_outcome(v1::OUTCOME_FITTED);
+  FillFit(frame, &reply);
+  if (frame.made_template) {
+    const auto mesh = ledger.TemplateMesh();
+    v1::ControlMesh connectivity = mesh.ok() ? ConnectivityToProto(*mesh) : v1::ControlMesh();
+    if (connectivity.ByteSizeLong() <= kMaxTemplateInReplyBytes) {
+      *reply.mutable_template_() = std::move(connectivity);
+    }
+  }
+  return reply;
+}
+
+}  // namespace cagefit::server

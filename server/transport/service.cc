@@ -1,0 +1,154 @@
+#include "server/transport/service.h"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "absl/time/clock.h"
+#include "core/base/status.h"
+#include "server/session/error_detail.h"
+#include "server/session/surface_export.h"
+#include "server/transport/blob_reader.h"
+#include "server/transport/blob_writer.h"
+#include "server/transport/fit_frames_call.h"
+#include "server/transport/session_convert.h"
+#include "server/transport/status_convert.h"
+
+namespace cagefit::server {
+namespace {
+
+constexpr uint32_t kMaxPageSize = 1000;
+
+// Answers from a pool: `work` may take its time.
+grpc::ServerUnaryReactor* RunUnary(const ServiceState& state, grpc::CallbackServerContext* context,
+                                   std::function<absl::Status()> work) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  const absl::Status queued =
+      state.scheduler->queries.Run(context->peer(), [reactor, context, work = std::move(work)] {
+        reactor->Finish(
+            ToGrpc(context->IsCancelled() ? absl::CancelledError("cancelled") : work(), context));
+      });
+  if (!queued.ok()) reactor->Finish(ToGrpc(queued, context));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* Answer(grpc::CallbackServerContext* context, const absl::Status& status) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(ToGrpc(status, context));
+  return reactor;
+}
+
+absl::Status Create(const ServiceState& state, const v1::CreateSessionRequest& request,
+                    v1::Session* session) {
+  RETURN_IF_ERROR(state.streams->CheckServing());
+  ASSIGN_OR_RETURN(SessionConfig config, FromProto(request, state.store->session_limits()));
+  ASSIGN_OR_RETURN(const auto ledger, state.store->Create(std::move(config), absl::Now()));
+  *session = ToProto(*ledger);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ControlMesh> FindMesh(const SessionLedger& ledger,
+                                     const v1::GetControlMeshRequest& request) {
+  switch (request.which_case()) {
+    case v1::GetControlMeshRequest::kSequenceNumber:
+      return ledger.MeshOfFrame(request.sequence_number());
+    case v1::GetControlMeshRequest::kTemplate:
+      if (request.template_()) return ledger.TemplateMesh();
+      break;
+    case v1::GetControlMeshRequest::WHICH_NOT_SET:
+      break;
+  }
+  return ledger.LatestMesh();
+}
+
+absl::StatusOr<std::string> Surface(const SessionStore& store,
+                                    const v1::GetSurfaceRequest& request) {
+  ASSIGN_OR_RETURN(const auto ledger, store.Find(request.session_id()));
+  SurfaceExportOptions options;
+  options.max_triangles = store.session_limits().max_surface_triangles;
+  if (request.has_levels()) options.levels = request.levels();
+  if (request.has_position_bits()) {
+    options.position_bits = request.position_bits();
+    if (options.position_bits == 0) {
+      return InvalidField("position_bits", "0", "expected 8 to 30, or not set");
+    }
+  }
+  ASSIGN_OR_RETURN(const ControlMesh mesh, request.has_sequence_number()
+                                               ? ledger->MeshOfFrame(request.sequence_number())
+                                               : ledger->LatestMesh());
+  return ExportSurface(mesh, options);
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* FittingService::CreateSession(grpc::CallbackServerContext* context,
+                                                        const v1::CreateSessionRequest* request,
+                                                        v1::Session* session) {
+  return RunUnary(state_, context,
+                  [this, request, session] { return Create(state_, *request, session); });
+}
+
+grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFromStream(
+    grpc::CallbackServerContext* context, v1::Session* session) {
+  return BlobReader::Start(state_, context, [this, session](const std::string& blob) {
+    v1::CreateSessionRequest request;
+    if (!request.ParseFromString(blob)) {
+      return InvalidField("data", "not a CreateSessionRequest", "expected one, serialized");
+    }
+    return Create(state_, request, session);
+  });
+}
+
+grpc::ServerUnaryReactor* FittingService::GetSession(grpc::CallbackServerContext* context,
+                                                     const v1::GetSessionRequest* request,
+                                                     v1::Session* session) {
+  const auto ledger = state_.store->Find(request->session_id());
+  if (ledger.ok()) *session = ToProto(**ledger);
+  return Answer(context, ledger.status());
+}
+
+grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerContext* context,
+                                                       const v1::ListSessionsRequest* request,
+                                                       v1::ListSessionsResponse* response) {
+  return RunUnary(state_, context, [this, request, response] {
+    const uint32_t size =
+        request->page_size() == 0 ? kMaxPageSize : std::min(request->page_size(), kMaxPageSize);
+    // The token is the last id of the page before: it stays good when sessions come and go.
+    auto page = state_.store->List(request->page_token(), size + 1);
+    const bool more = page.size() > size;
+    if (more) page.pop_back();
+    for (const auto& ledger : page) *response->add_sessions() = ToProto(*ledger);
+    if (more) response->set_next_page_token(page.back()->id());
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* FittingService::DeleteSession(grpc::CallbackServerContext* context,
+                                                        const v1::DeleteSessionRequest* request,
+                                                        google::protobuf::Empty*) {
+  return RunUnary(state_, context,
+                  [this, request] { return state_.store->Delete(request->session_id()); });
+}
+
+grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetControlMesh(
+    grpc::CallbackServerContext* context, const v1::GetControlMeshRequest* request) {
+  return BlobWriter::Start(state_, context, [this, request]() -> absl::StatusOr<std::string> {
+    ASSIGN_OR_RETURN(const auto ledger, state_.store->Find(request->session_id()));
+    ASSIGN_OR_RETURN(const ControlMesh mesh, FindMesh(*ledger, *request));
+    return ToProto(mesh).SerializeAsString();
+  });
+}
+
+grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetSurface(
+    grpc::CallbackServerContext* context, const v1::GetSurfaceRequest* request) {
+  return BlobWriter::Start(state_, context,
+                           [this, request] { return Surface(*state_.store, *request); });
+}
+
+grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FittingService::FitFrames(
+    grpc::CallbackServerContext* context) {
+  return FitFramesCall::Start(&state_, context);
+}
+
+}  // namespace cagefit::server

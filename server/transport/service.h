@@ -1,0 +1,41 @@
+// cagefit.v1.Fitting on gRPC's callback API. Reactions only hand work over; see fit_frames_call.h.
+#ifndef CAGEFIT_SERVER_TRANSPORT_SERVICE_H_
+#define CAGEFIT_SERVER_TRANSPORT_SERVICE_H_
+
+#include "cagefit/v1/fitting.grpc.pb.h"
+#include "server/transport/service_state.h"
+
+namespace cagefit::server {
+
+class FittingService final : public v1::Fitting::CallbackService {
+ public:
+  explicit FittingService(ServiceState state) : state_(std::move(state)) {}
+
+  grpc::ServerUnaryReactor* CreateSession(grpc::CallbackServerContext* context,
+                                          const v1::CreateSessionRequest* request,
+                                          v1::Session* session) override;
+  grpc::ServerReadReactor<v1::CreateSessionChunk>* CreateSessionFromStream(
+      grpc::CallbackServerContext* context, v1::Session* session) override;
+  grpc::ServerUnaryReactor* GetSession(grpc::CallbackServerContext* context,
+                                       const v1::GetSessionRequest* request,
+                                       v1::Session* session) override;
+  grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* context,
+                                         const v1::ListSessionsRequest* request,
+                                         v1::ListSessionsResponse* response) override;
+  grpc::ServerUnaryReactor* DeleteSession(grpc::CallbackServerContext* context,
+                                          const v1::DeleteSessionRequest* request,
+                                          google::protobuf::Empty* response) override;
+  grpc::ServerWriteReactor<v1::DataChunk>* GetControlMesh(
+      grpc::CallbackServerContext* context, const v1::GetControlMeshRequest* request) override;
+  grpc::ServerWriteReactor<v1::DataChunk>* GetSurface(
+      grpc::CallbackServerContext* context, const v1::GetSurfaceRequest* request) override;
+  grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FitFrames(
+      grpc::CallbackServerContext* context) override;
+
+ private:
+  const ServiceState state_;
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_TRANSPORT_SERVICE_H_

@@ -1,0 +1,28 @@
+// What all calls of a server share.
+#ifndef CAGEFIT_SERVER_TRANSPORT_SERVICE_STATE_H_
+#define CAGEFIT_SERVER_TRANSPORT_SERVICE_STATE_H_
+
+#include <spdlog/logger.h>
+
+#include <memory>
+
+#include "server/session/scheduler.h"
+#include "server/session/session_store.h"
+#include "server/transport/byte_budget.h"
+#include "server/transport/stream_registry.h"
+
+namespace cagefit::server {
+
+// Not owned, but for the logger; all of it outlives every call.
+struct ServiceState {
+  SessionStore* store = nullptr;
+  Scheduler* scheduler = nullptr;
+  ByteBudget* budget = nullptr;
+  StreamRegistry* streams = nullptr;
+  ClockFn clock;  // milliseconds
+  std::shared_ptr<spdlog::logger> log;
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_TRANSPORT_SERVICE_STATE_H_
