@@ -71,6 +71,7 @@ absl::Status ReadFitOptions(const v1::FitOptions& proto, FitOptions* options) {
   if (proto.has_relative_decrease()) {
     options->solver.relative_decrease = proto.relative_decrease();
   }
+  if (proto.has_first_stiffness()) options->solver.first_stiffness = proto.first_stiffness();
   return absl::OkStatus();
 }
 
@@ -132,13 +133,14 @@ v1::FitOptions ToProto(const FitOptions& options) {
   proto.set_radius(options.distance.radius);
   proto.set_radius_factor(options.distance.radius_factor);
   proto.set_far_radius(options.distance.far_radius);
-  proto.set_arap_weight(options.arap.weight);
+  if (options.arap.weight.has_value()) proto.set_arap_weight(*options.arap.weight);
   proto.set_rest_mesh(options.arap.rest == RestMesh::kTemplate ? v1::REST_MESH_TEMPLATE
                                                                : v1::REST_MESH_PREVIOUS_FRAME);
   proto.set_solver(options.solver.solver == Solver::kCeres ? v1::SOLVER_CERES
                                                            : v1::SOLVER_GAUSS_NEWTON);
   proto.set_max_iterations(options.solver.max_iterations);
   proto.set_relative_decrease(options.solver.relative_decrease);
+  proto.set_first_stiffness(options.solver.first_stiffness);
   return proto;
 }
 
