@@ -1,13 +1,11 @@
 #include "client/embedded_server.h"
 
-#include <spdlog/logger.h>
-#include <spdlog/sinks/null_sink.h>
-
 #include <filesystem>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "server/log.h"
 #include "server/server.h"
 #include "server/session/private_folder.h"
 
@@ -28,9 +26,7 @@ absl::StatusOr<std::unique_ptr<EmbeddedServer>> EmbeddedServer::Start(int thread
   std::error_code error;
   options.template_program = std::filesystem::read_symlink("/proc/self/exe", error).string();
   ASSIGN_OR_RETURN(std::unique_ptr<server::Server> server,
-                   server::Server::Start(
-                       options, std::make_shared<spdlog::logger>(
-                                    "cagefit", std::make_shared<spdlog::sinks::null_sink_mt>())));
+                   server::Server::Start(options, server::SilentLog()));
   return std::unique_ptr<EmbeddedServer>(new EmbeddedServer(
       std::make_unique<Parts>(Parts{std::move(folder), std::move(server), address})));
 }
