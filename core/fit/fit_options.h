@@ -37,7 +37,7 @@ struct SolverOptions {
   double relative_decrease = 1e-2;  // stop when a step lowers the energy by less; up to 0.5
   // Gauss-Newton starts with alpha times this and lowers it step by step, so that parts which moved
   // as a whole are carried as a whole. 1 to 1e6; 1: no continuation.
-  double first_stiffness = 1000;
+  double first_stiffness = 100;
 };
 
 struct FitOptions {
