@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <random>
 #include <vector>
 
