@@ -92,6 +92,44 @@ TEST(EstimateNormalsTest, PointOutOfATubeOpenAtBothEnds) {
   EXPECT_GT(WorstAgreement(cloud, TubeNormal), 0.98);
 }
 
+// It widens upwards, so that its topmost points face down: here only the flux can tell, and only
+// about the cloud's own centre.
+TEST(EstimateNormalsTest, PointOutOfAFunnelWhereverItIs) {
+  Points3d points = testing::Tube(80, 25, 1, 1).vertices;
+  for (int64_t i = 0; i < points.cols(); ++i) points.col(i).head<2>() *= 0.5 + 0.5 * points(2, i);
+  for (const double height : {0.0, 60.0, -60.0}) {
+    const Eigen::Vector3f at(-40, 25, static_cast<float>(height));
+    PointCloud cloud = Shuffled(points);
+    cloud.points.colwise() += at;
+    ASSERT_TRUE(EstimateNormals({}, &cloud).ok());
+    cloud.points.colwise() -= at;
+    const auto normal = [](const Eigen::Vector3d& p) {
+      return (TubeNormal(p) - 0.5 * Eigen::Vector3d::UnitZ()).normalized().eval();
+    };
+    EXPECT_GT(WorstAgreement(cloud, normal), 0.97) << "at height " << height;
+  }
+}
+
+// Signs travel where neighbours agree: from side to side through the blended normals at an edge,
+// not straight across it, where outward normals are 120 degrees apart and would be made to agree.
+TEST(EstimateNormalsTest, PointOutOfAThreeSidedPrism) {
+  constexpr int kAcross = 40, kAlong = 60;
+  Points3d points(3, 3 * kAcross * kAlong);
+  for (int i = 0; i < points.cols(); ++i) {
+    const double along_side = 2 * std::sqrt(3.0) * ((i / 3 % kAcross + 0.5) / kAcross - 0.5);
+    const double angle = 2 * M_PI / 3 * (i % 3);
+    points.col(i) << std::cos(angle) - along_side * std::sin(angle),
+        std::sin(angle) + along_side * std::cos(angle), 0.08 * (i / (3 * kAcross));
+  }
+  PointCloud cloud = Shuffled(points);
+  ASSERT_TRUE(EstimateNormals({}, &cloud).ok());
+  const auto normal = [](const Eigen::Vector3d& p) {
+    const double side = 2 * M_PI / 3 * std::round(std::atan2(p.y(), p.x()) / (2 * M_PI / 3));
+    return Eigen::Vector3d(std::cos(side), std::sin(side), 0);
+  };
+  EXPECT_GT(WorstAgreement(cloud, normal), 0.2);
+}
+
 TEST(EstimateNormalsTest, PointOutOfEachOfTwoSpheres) {
   const Points3d sphere = testing::Icosphere(4).vertices;
   Points3d both(3, 2 * sphere.cols());
