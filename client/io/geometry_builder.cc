@@ -83,6 +83,7 @@ void GeometryBuilder::DropNanPoints() {
 
 absl::StatusOr<Geometry> GeometryBuilder::Finish(NanPoints nan_points) {
   if (vertices_.empty()) return absl::InvalidArgumentError("no vertices in it");
+  if (normals_.size() != vertices_.size()) normals_.clear();  // of some vertices only: of none
   if (nan_points == NanPoints::kDropFromClouds && corners_.empty()) DropNanPoints();
   if (vertices_.empty()) return absl::InvalidArgumentError("no vertex is a number");
   RETURN_IF_ERROR(CheckFinite());
@@ -96,7 +97,7 @@ absl::StatusOr<Geometry> GeometryBuilder::Finish(NanPoints nan_points) {
   geometry.mesh.triangles.resize(3, static_cast<int64_t>(corners_.size()) / 3);
   std::transform(corners_.begin(), corners_.end(), geometry.mesh.triangles.data(),
                  [](int64_t v) { return static_cast<int32_t>(v); });
-  if (normals_.size() == vertices_.size()) {
+  if (!normals_.empty()) {
     geometry.normals = Eigen::Map<const Points3f>(normals_.data(), 3, vertex_count());
   }
   return geometry;
