@@ -5,6 +5,7 @@
 #include "absl/strings/str_format.h"
 #include "client/commands/message_json.h"
 #include "client/io/geometry_file.h"
+#include "core/metrics/surface_samples.h"
 #include "core/subdiv/limit.h"
 
 namespace cagefit::client {
@@ -60,9 +61,12 @@ void MeasureFrames(const ControlMesh& cage, FitReport* report) {
     if (!geometry.ok()) continue;
     ApplyStencils(limit.position, frame.control_vertices, &points);
     surface.Build(points, limit.triangles);
-    const PointCloud target = ToCloud(*geometry);
-    frame.distances = DistancesToSurface(target.points.cast<double>(), surface);
-    if (report->diagonal == 0) report->diagonal = BoundingBox(target.points).diagonal();
+    // Of a mesh, its vertices and as many points in its faces as it has faces.
+    const Points3d& vertices = geometry->mesh.vertices;
+    const Points3d target =
+        geometry->is_cloud() ? vertices : SampleSurface(geometry->mesh, 1, /*seed=*/1);
+    frame.distances = DistancesToSurface(target, surface);
+    if (report->diagonal == 0) report->diagonal = BoundingBox(target).diagonal();
   }
 }
 

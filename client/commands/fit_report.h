@@ -20,7 +20,7 @@ struct FrameRecord {
   v1::FrameReply reply;  // without delta and template, which would fill the memory
   int64_t delta_bytes = 0;
   Points3d control_vertices;               // 3 x n when fitted
-  std::optional<DistanceStats> distances;  // exact, of all target points
+  std::optional<DistanceStats> distances;  // exact, of the whole target
 };
 
 struct FitTotals {
@@ -38,8 +38,9 @@ struct FitReport {
   double seconds = 0, frames_per_second = 0;
 };
 
-// Exact distances from every target point to the limit surface of each fitted frame, at
-// kMetricLevels. Frames whose file cannot be read again keep their sampled distances.
+// Exact distances from the target (every point; of a mesh, vertices and samples) to the limit
+// surface of each fitted frame, at kMetricLevels. Frames whose file cannot be read again keep their
+// sampled distances.
 void MeasureFrames(const ControlMesh& cage, FitReport* report);
 
 FitTotals Totals(const FitReport& report);

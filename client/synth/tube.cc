@@ -21,9 +21,9 @@ class Tube : public SynthShape {
     for (Fold& fold : folds_) {
       fold.around = std::floor(random.Uniform(2, 6));
       fold.along = random.Uniform(-1.5, 1.5);
-      fold.depth = random.Uniform(0.03, 0.07);
+      fold.depth = random.Uniform(0.05, 0.1);
       fold.phase = random.Uniform(0, 2 * kPi);
-      fold.speed = random.Uniform() < 0.5 ? -1 : 1;
+      fold.swell = random.Uniform(0, 2 * kPi);
     }
     twist_ = random.Uniform(0.5, 0.8);
     sway_ = random.Uniform(0.08, 0.12);
@@ -41,9 +41,9 @@ class Tube : public SynthShape {
     const double angle = std::atan2(rest.y(), rest.x());
     double radius = std::hypot(rest.x(), rest.y()) * (1 + 0.25 * low);
     for (const Fold& fold : folds_) {
-      radius += kRadius * fold.depth * (0.3 + low) *
-                std::cos(fold.around * angle + 2 * kPi * fold.along * low + fold.phase +
-                         fold.speed * phase);
+      // Folds go with the cloth, so that its twist can be seen, and grow and shrink.
+      radius += kRadius * fold.depth * (0.3 + low) * (1 + 0.4 * std::sin(phase + fold.swell)) *
+                std::cos(fold.around * angle + 2 * kPi * fold.along * low + fold.phase);
     }
     const double turned = angle + twist_ * low * std::sin(phase);
     // A wave that runs down the tube, and the height that a slanted piece loses.
@@ -55,7 +55,7 @@ class Tube : public SynthShape {
 
  private:
   struct Fold {
-    double around = 0, along = 0, depth = 0, phase = 0, speed = 0;
+    double around = 0, along = 0, depth = 0, phase = 0, swell = 0;
   };
 
   static TriangleMesh Barrel() {

@@ -19,7 +19,7 @@ enum class RestMesh { kTemplate, kPreviousFrame };
 struct DistanceOptions {
   Sampling sampling = Sampling::kRefinedVertices;
   double radius = 0;           // h, user units; 0: radius_factor times the spacing of each frame
-  double radius_factor = 2.0;  // of the median distance to the 6th neighbour; 0.5 to 20
+  double radius_factor = 1.7;  // of the median distance to the 6th neighbour; 0.5 to 20
   double far_radius = 0;       // d0, user units; 0: three times the radius
 };
 

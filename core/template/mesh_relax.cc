@@ -13,7 +13,8 @@ namespace {
 // A flip may bend the surface by so much: cosine between the normals of the two triangles, before
 // and after.
 constexpr double kLeastFlipCosine = 0.9;
-constexpr double kStep = 0.5;  // of the way to the middle of the ring
+constexpr double kGoodAngle = 0.5;  // radians
+constexpr double kStep = 0.5;       // of the way to the middle of the ring
 
 Eigen::Vector3d Cross(const Points3d& V, int32_t a, int32_t b, int32_t c) {
   return (V.col(b) - V.col(a)).cross(V.col(c) - V.col(a));
@@ -86,6 +87,25 @@ int FlipEdges(TriangleMesh* mesh) {
   return flips;
 }
 
+// Whether v, an interior vertex, may move to `to`: no triangle of its ring turns over, and none
+// gets a smaller angle than the ring's smallest unless it keeps kGoodAngle.
+bool KeepsRing(const Points3d& V, absl::Span<const int32_t> ring, int32_t v,
+               const Eigen::Vector3d& to) {
+  Points3d corners(3, 4);  // v, where it goes, and two of its ring
+  corners.col(0) = V.col(v);
+  corners.col(1) = to;
+  double before = 4, after = 4;
+  for (size_t k = 0; k < ring.size(); ++k) {
+    corners.col(2) = V.col(ring[k]);
+    corners.col(3) = V.col(ring[(k + 1) % ring.size()]);
+    const Eigen::Vector3d n = Cross(corners, 0, 2, 3), m = Cross(corners, 1, 2, 3);
+    if (!(m.dot(n) > 0.5 * m.norm() * n.norm())) return false;
+    before = std::min(before, SmallestAngle(corners, 0, 2, 3));
+    after = std::min(after, SmallestAngle(corners, 1, 2, 3));
+  }
+  return after >= std::min(before, kGoodAngle);
+}
+
 void SlideVertices(const TriangleBvh& surface, TriangleMesh* mesh) {
   const absl::StatusOr<Topology> topology =
       Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
@@ -105,17 +125,9 @@ void SlideVertices(const TriangleBvh& surface, TriangleMesh* mesh) {
     move -= normals.col(v).dot(move) * normals.col(v);
     const ClosestPoint on_surface = surface.Closest(V.col(v) + move, ring_length);
     if (on_surface.triangle < 0) continue;
-    // Against the ring as it is now, so that no triangle turns over.
-    const absl::Span<const int32_t> ring = topology->Ring(v);
-    bool safe = true;
-    for (size_t k = 0; k < ring.size(); ++k) {
-      const Eigen::Vector3d p = mesh->vertices.col(ring[k]);
-      const Eigen::Vector3d q = mesh->vertices.col(ring[(k + 1) % ring.size()]);
-      const Eigen::Vector3d before = (p - mesh->vertices.col(v)).cross(q - mesh->vertices.col(v));
-      const Eigen::Vector3d after = (p - on_surface.point).cross(q - on_surface.point);
-      safe = safe && after.dot(before) > 0.5 * after.norm() * before.norm();
+    if (KeepsRing(mesh->vertices, topology->Ring(v), v, on_surface.point)) {
+      mesh->vertices.col(v) = on_surface.point;
     }
-    if (safe) mesh->vertices.col(v) = on_surface.point;
   }
 }
 

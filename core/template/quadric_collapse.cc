@@ -25,8 +25,17 @@ struct Rules {
   int max_valence;
   double least_cosine;   // between a triangle's normals before and after
   double least_quality;  // 4 sqrt(3) area / sum of squared sides: 1 for an equilateral triangle
+  double max_length;     // of the edge, in mean edge lengths of the input
 };
-constexpr Rules kRules[] = {{9, 0.2, 0.12}, {12, 0.0, 0.01}};
+constexpr double kAnyLength = 1e300;
+constexpr Rules kRules[] = {
+    // Isosurfaces are full of needles, whose short sides go first: they would block what is around
+    // them and stay as clumps of tiny triangles.
+    {12, -1, 0, 0.4},
+    {9, 0.2, 0.12, kAnyLength},
+    {12, 0, 0.01, kAnyLength}};
+// The normal of a needle says nothing.
+constexpr double kNeedleQuality = 0.05;
 
 // x^T A x - 2 b^T x + c
 struct Quadric {
@@ -79,11 +88,17 @@ class Collapser {
       for (int c = 0; c < 3; ++c) faces_[T_(c, f)].push_back(f);
     }
     AddQuadrics();
+    double sum = 0;
+    for (int64_t k = 0; k < T_.size(); ++k) {
+      sum += (V_.col(T_(k % 3, k / 3)) - V_.col(T_((k + 1) % 3, k / 3))).norm();
+    }
+    mean_edge_ = sum / static_cast<double>(std::max<int64_t>(1, T_.size()));
   }
 
   void Run(int64_t vertices, const Rules& rules) {
     rules_ = rules;
     queue_ = {};
+    max_length_ = rules.max_length * mean_edge_;
     for (int32_t v = 0; v < V_.cols(); ++v) {
       for (const int32_t n : Neighbors(v)) {
         if (n > v) Push(v, n);
@@ -165,6 +180,7 @@ class Collapser {
 
   void Push(int32_t a, int32_t b) {
     if (boundary_[a] && boundary_[b] && SharedFaces(a, b) != 1) return;  // would pinch the surface
+    if ((V_.col(a) - V_.col(b)).norm() > max_length_) return;
     const Quadric q = quadric_[a] + quadric_[b];
     Candidate candidate{0, a, b, stamp_[a], stamp_[b], Eigen::Vector3d::Zero()};
     if (boundary_[a] != boundary_[b]) {
@@ -212,9 +228,12 @@ class Collapser {
       }
       const Eigen::Vector3d before = (p[1] - p[0]).cross(p[2] - p[0]);
       const Eigen::Vector3d after = (q[1] - q[0]).cross(q[2] - q[0]);
-      if (after.dot(before) <= rules_.least_cosine * after.norm() * before.norm()) return false;
-      const double quality = Quality(q[0], q[1], q[2]);
-      if (quality < rules_.least_quality && quality < Quality(p[0], p[1], p[2])) return false;
+      const double quality = Quality(q[0], q[1], q[2]), old_quality = Quality(p[0], p[1], p[2]);
+      if (old_quality > kNeedleQuality &&
+          after.dot(before) <= rules_.least_cosine * after.norm() * before.norm()) {
+        return false;
+      }
+      if (quality < rules_.least_quality && quality < old_quality) return false;
     }
     return true;
   }
@@ -255,6 +274,7 @@ class Collapser {
   }
 
   Rules rules_ = kRules[0];
+  double mean_edge_ = 0, max_length_ = 0;
   Points3d V_;
   Triangles T_;
   std::vector<char> alive_;
