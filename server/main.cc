@@ -1,4 +1,5 @@
 // cagefitd: serves until SIGTERM or SIGINT, then drains; a second signal ends it at once.
+#include <semaphore.h>
 #include <signal.h>
 
 #include <cstdlib>
@@ -16,24 +17,32 @@
 namespace cagefit::server {
 namespace {
 
-// Signals are taken by the thread that asks for them, so every thread has to block them.
-sigset_t BlockEndSignals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  return signals;
+// Threads that libraries start before main would take a signal that is only blocked here, and die
+// of it: so there is a handler, which any thread may run.
+sem_t signals_seen;
+volatile sig_atomic_t last_signal = 0;
+
+void OnSignal(int signal) {
+  last_signal = signal;
+  sem_post(&signals_seen);
 }
 
-int WaitForSignal(const sigset_t& signals) {
-  int signal = 0;
-  sigwait(&signals, &signal);
-  return signal;
+void HandleEndSignals() {
+  sem_init(&signals_seen, 0, 0);
+  struct sigaction action = {};
+  action.sa_handler = OnSignal;
+  action.sa_flags = SA_RESTART;
+  for (const int number : {SIGTERM, SIGINT}) sigaction(number, &action, nullptr);
+}
+
+int WaitForSignal() {
+  while (sem_wait(&signals_seen) != 0) {
+  }
+  return last_signal;
 }
 
 int Run(const ServerOptions& options) {
-  const sigset_t signals = BlockEndSignals();
+  HandleEndSignals();
   signal(SIGPIPE, SIG_IGN);
   const std::shared_ptr<spdlog::logger> log = ConsoleLog(options.log_level);
   auto server = Server::Start(options, log);
@@ -46,10 +55,10 @@ int Run(const ServerOptions& options) {
     std::cout << "listening on " << address << std::endl;
   }
   log->info("serving");
-  const int first = WaitForSignal(signals);
+  const int first = WaitForSignal();
   log->info("draining signal={} seconds={}", strsignal(first), options.drain_seconds);
-  std::thread([signals] {
-    WaitForSignal(signals);
+  std::thread([] {
+    WaitForSignal();
     std::_Exit(EXIT_FAILURE);
   }).detach();
   (*server)->Shutdown(absl::Seconds(options.drain_seconds));

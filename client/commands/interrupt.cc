@@ -1,7 +1,6 @@
 #include "client/commands/interrupt.h"
 
-#include <pthread.h>
-#include <signal.h>
+#include <semaphore.h>
 
 #include <cstdlib>
 #include <utility>
@@ -11,26 +10,30 @@
 namespace cagefit::client {
 namespace {
 
-sigset_t EndSignals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  return signals;
-}
+// Threads that libraries start before main would take a signal that is only blocked here, and die
+// of it: so there is a handler, which any thread may run.
+sem_t signals_seen;
+
+void OnSignal(int) { sem_post(&signals_seen); }
 
 }  // namespace
 
 Interrupt::Interrupt() {
-  const sigset_t signals = EndSignals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  sem_init(&signals_seen, 0, 0);
+  struct sigaction action = {};
+  action.sa_handler = OnSignal;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, &old_interrupt_);
+  sigaction(SIGTERM, &action, &old_terminate_);
   thread_ = std::thread([this] { Wait(); });
 }
 
 Interrupt::~Interrupt() {
   ending_ = true;
-  pthread_kill(thread_.native_handle(), SIGTERM);
+  sem_post(&signals_seen);
   thread_.join();
+  sigaction(SIGINT, &old_interrupt_, nullptr);
+  sigaction(SIGTERM, &old_terminate_, nullptr);
 }
 
 void Interrupt::SetAction(std::function<void()> action) {
@@ -40,9 +43,9 @@ void Interrupt::SetAction(std::function<void()> action) {
 }
 
 void Interrupt::Wait() {
-  const sigset_t signals = EndSignals();
-  int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && !ending_) {
+  while (true) {
+    if (sem_wait(&signals_seen) != 0) continue;
+    if (ending_) return;
     if (seen_.exchange(true)) std::_Exit(kFailed);
     std::lock_guard<std::mutex> lock(mutex_);
     if (action_) action_();

@@ -2,6 +2,8 @@
 #ifndef CAGEFIT_CLIENT_COMMANDS_INTERRUPT_H_
 #define CAGEFIT_CLIENT_COMMANDS_INTERRUPT_H_
 
+#include <signal.h>
+
 #include <atomic>
 #include <functional>
 #include <mutex>
@@ -9,8 +11,7 @@
 
 namespace cagefit::client {
 
-// Make it before any thread that the program starts: those inherit that the signals are blocked.
-// A second signal ends the program at once.
+// One at a time. A second signal ends the program at once.
 class Interrupt {
  public:
   Interrupt();
@@ -28,6 +29,7 @@ class Interrupt {
   std::atomic<bool> seen_{false}, ending_{false};
   std::mutex mutex_;
   std::function<void()> action_;
+  struct sigaction old_interrupt_ = {}, old_terminate_ = {};
   std::thread thread_;
 };
 

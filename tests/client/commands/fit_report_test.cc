@@ -1,0 +1,64 @@
+#include "client/commands/fit_report.h"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+namespace cagefit::client {
+namespace {
+
+using ::testing::HasSubstr;
+
+FitReport ThreeFrames() {
+  FitReport report;
+  report.diagonal = 2;
+  report.frames.resize(3);
+  for (FrameRecord& frame : report.frames) frame.file = "f.drc";
+  report.frames[0].status = absl::OkStatus();
+  report.frames[0].distances = DistanceStats{0.001, 0.002, 0.004, 100};
+  report.frames[0].reply.set_verdict(v1::VERDICT_OK);
+  report.frames[1].status = absl::InvalidArgumentError("not Draco");
+  report.frames[2].status = absl::OkStatus();
+  report.frames[2].reply.mutable_distances()->set_rms_percent(0.3);
+  report.frames[2].reply.set_verdict(v1::VERDICT_LOST);
+  return report;
+}
+
+TEST(FitReportTest, TotalsTakeExactDistancesWhereThereAre) {
+  const FitTotals totals = Totals(ThreeFrames());
+  EXPECT_EQ(totals.fitted, 2);
+  EXPECT_EQ(totals.refused, 1);
+  EXPECT_EQ(totals.lost, 1);
+  EXPECT_NEAR(totals.worst_rms_percent, 0.3, 1e-12);
+  EXPECT_NEAR(totals.mean_rms_percent, (0.1 + 0.3) / 2, 1e-12);
+}
+
+TEST(FitReportTest, FramesThatWereNeverAnsweredAreNotRefused) {
+  FitReport report = ThreeFrames();
+  report.frames.emplace_back();
+  EXPECT_EQ(Totals(report).refused, 1);
+  EXPECT_EQ(Totals(report).unanswered, 1);
+}
+
+TEST(FitReportTest, JsonHoldsEveryFrame) {
+  const Json json = ReportJson(ThreeFrames());
+  ASSERT_EQ(json["frames"].size(), 3u);
+  EXPECT_NEAR(json["frames"][0]["distances"]["rms_percent"], 0.1, 1e-12);
+  EXPECT_EQ(json["frames"][1]["error"]["message"], "not Draco");
+  EXPECT_EQ(json["frames"][2]["verdict"], "VERDICT_LOST");
+  EXPECT_EQ(json["total"]["fitted"], 2);
+}
+
+TEST(FitReportTest, TheTableShowsTheWorstOfManyFrames) {
+  FitReport report = ThreeFrames();
+  report.frames.resize(200, report.frames[0]);
+  std::ostringstream table;
+  PrintFitTable(report, table);
+  EXPECT_THAT(table.str(), HasSubstr("The 60 worst of 200 frames"));
+  EXPECT_THAT(table.str(), HasSubstr("not Draco"));
+  EXPECT_THAT(table.str(), HasSubstr("LOST"));
+  EXPECT_THAT(table.str(), HasSubstr("199 of 200 frames fitted"));
+}
+
+}  // namespace
+}  // namespace cagefit::client

@@ -1,0 +1,184 @@
+// The main job on captures that the project makes itself.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <filesystem>
+
+#include "client/io/geometry_file.h"
+#include "tests/e2e/program.h"
+
+namespace cagefit::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kPng[] = "\x89PNG\r\n\x1a\n";
+
+std::string Synth(const std::string& shape, int frames, int points,
+                  const std::vector<std::string>& more = {}) {
+  const std::string folder = EmptyFolder("capture_" + shape);
+  std::vector<std::string> arguments = {"synth",    shape,
+                                        "--out",    folder,
+                                        "--frames", std::to_string(frames),
+                                        "--points", std::to_string(points)};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const ProgramResult result = RunCagefit(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return folder;
+}
+
+ProgramResult Fit(const std::string& input, const std::string& out,
+                  const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = {"fit", input, "--out", out};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return RunCagefit(arguments);
+}
+
+TEST(FitEndToEndTest, ATubeThroughAServerOfItsOwnProcess) {
+  const std::string capture = Synth("tube", 8, 30'000);
+  ServerProgram server;
+  const std::string out = EmptyFolder("fit_tube");
+  const ProgramResult fit = Fit(capture, out, {"--vertices", "600", "--server", server.address()});
+  ASSERT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_THAT(fit.out, HasSubstr("8 of 8 frames fitted"));
+  const auto report = ReadJson(out + "/report.json");
+  EXPECT_LT(report["total"]["worst_rms_percent"], 0.1);
+  for (int k = 0; k < 8; ++k) {
+    const auto cage = client::ReadControlMesh(out + "/frames/000" + std::to_string(k) + ".obj");
+    ASSERT_TRUE(cage.ok()) << cage.status();
+    EXPECT_EQ(cage->topology().BoundaryLoops().size(), 2u);
+  }
+  EXPECT_EQ(ReadText(out + "/cage.obj"), ReadText(out + "/frames/0007.obj"));
+  EXPECT_LT(server.program().PeakMiB(), 500);
+}
+
+TEST(FitEndToEndTest, TheServerInsideGivesTheSameBits) {
+  const std::string capture = Synth("blob", 3, 10'000);
+  const std::string cage = capture + "_cage.obj";
+  ASSERT_EQ(
+      RunCagefit({"template", capture + "/frame_0000.drc", "--vertices", "200", "--out", cage})
+          .exit_code,
+      0);
+  ServerProgram server({"--threads", "1"});
+  const std::string inside = EmptyFolder("fit_inside"), outside = EmptyFolder("fit_outside");
+  ASSERT_EQ(Fit(capture, inside, {"--template", cage}).exit_code, 0);
+  ASSERT_EQ(Fit(capture, outside, {"--template", cage, "--server", server.address()}).exit_code, 0);
+  for (const char* frame : {"/frames/0000.obj", "/frames/0001.obj", "/frames/0002.obj"}) {
+    EXPECT_EQ(ReadText(inside + frame), ReadText(outside + frame)) << frame;
+  }
+}
+
+TEST(FitEndToEndTest, ABlobKeepsItsMaterialPoints) {
+  const std::string capture = Synth("blob", 8, 20'000), out = EmptyFolder("fit_blob");
+  ASSERT_EQ(Fit(capture, out, {"--vertices", "400"}).exit_code, 0);
+  EXPECT_LT(ReadJson(out + "/report.json")["total"]["worst_rms_percent"], 0.05);
+  const ProgramResult evaluated =
+      RunCagefit({"evaluate", out + "/frames", capture, "--truth", capture + "/truth", "--json"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  const auto frames = nlohmann::json::parse(evaluated.out);
+  EXPECT_LT(frames[7]["drift"]["mean_percent"], 2.5);
+}
+
+TEST(FitEndToEndTest, NoiseAndOutliersDoNotThrowItOff) {
+  const std::string capture =
+      Synth("blob", 3, 20'000, {"--noise", "0.002", "--outliers", "0.01", "--seed", "3"});
+  const std::string out = EmptyFolder("fit_noise");
+  ASSERT_EQ(Fit(capture, out, {"--vertices", "300"}).exit_code, 0);
+  const ProgramResult evaluated =
+      RunCagefit({"evaluate", out + "/cage.obj", capture + "/truth/frame_0002.ply", "--json"});
+  const auto frames = nlohmann::json::parse(evaluated.out);
+  EXPECT_LT(frames[0]["distances"]["target_to_fit"]["rms_percent"], 0.2);
+}
+
+TEST(FitEndToEndTest, FilesOfOtherFormatsAndAMeshWork) {
+  const std::string capture = Synth("tube", 2, 10'000, {"--format", "ply"});
+  const std::string out = EmptyFolder("fit_ply");
+  const ProgramResult clouds = Fit(capture, out, {"--vertices", "300"});
+  ASSERT_EQ(clouds.exit_code, 0) << clouds.err;
+  const ProgramResult mesh =
+      Fit(capture + "/truth/frame_0000.ply", EmptyFolder("fit_mesh"), {"--vertices", "300"});
+  ASSERT_EQ(mesh.exit_code, 0) << mesh.err;
+  EXPECT_LT(ReadJson(::testing::TempDir() +
+                     "/cagefit_fit_mesh/report.json")["total"]["worst_rms_percent"],
+            0.1);
+}
+
+TEST(FitEndToEndTest, ABadFrameIsRefusedAndTheRestGoesOn) {
+  const std::string capture = Synth("blob", 4, 5'000), out = EmptyFolder("fit_bad");
+  WriteText(capture + "/frame_0002.drc", kPng);
+  const ProgramResult fit = Fit(capture, out, {"--vertices", "100", "--quick"});
+  EXPECT_EQ(fit.exit_code, 4);
+  EXPECT_THAT(fit.err, HasSubstr("frame_0002.drc was refused"));
+  const auto report = ReadJson(out + "/report.json");
+  EXPECT_EQ(report["total"]["fitted"], 3);
+  EXPECT_EQ(report["total"]["refused"], 1);
+  EXPECT_EQ(report["frames"][2]["error"]["code"], "INVALID_ARGUMENT");
+  EXPECT_FALSE(std::filesystem::exists(out + "/frames/0002.obj"));
+  EXPECT_TRUE(std::filesystem::exists(out + "/frames/0003.obj"));
+}
+
+TEST(FitEndToEndTest, AnUnreadableFileIsRefusedToo) {
+  const std::string capture = Synth("blob", 3, 5'000, {"--format", "ply"});
+  WriteText(capture + "/frame_0000.ply", "ply\nnonsense\n");
+  const std::string out = EmptyFolder("fit_unreadable");
+  const ProgramResult fit = Fit(capture, out, {"--vertices", "100", "--quick", "--json"});
+  EXPECT_EQ(fit.exit_code, 4);
+  const auto report = ReadJson(out + "/report.json");
+  EXPECT_THAT(std::string(report["frames"][0]["error"]["message"]), HasSubstr("line 2"));
+  EXPECT_EQ(report["total"]["fitted"], 2);
+}
+
+TEST(FitEndToEndTest, SessionsThatAreKeptCanBeListedPulledAndDeleted) {
+  const std::string capture = Synth("blob", 2, 5'000), out = EmptyFolder("fit_kept");
+  ServerProgram server;
+  ASSERT_EQ(Fit(capture, out,
+                {"--vertices", "100", "--quick", "--keep-session", "--name", "kept", "--server",
+                 server.address()})
+                .exit_code,
+            0);
+  const auto session = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "session");
+    arguments.insert(arguments.end(), {"--server", server.address()});
+    return RunCagefit(arguments);
+  };
+  const auto sessions = nlohmann::json::parse(session({"list", "--json"}).out);
+  ASSERT_EQ(sessions.size(), 1u);
+  EXPECT_EQ(sessions[0]["name"], "kept");
+  const std::string id = sessions[0]["session_id"];
+  EXPECT_THAT(session({"show", id}).out, HasSubstr(id));
+  ASSERT_EQ(session({"pull", id, "--frame", "0", "--out", out + "/pulled.obj"}).exit_code, 0);
+  EXPECT_EQ(ReadText(out + "/pulled.obj"), ReadText(out + "/frames/0000.obj"));
+  ASSERT_EQ(session({"pull", id, "--surface", "--out", out + "/surface.ply"}).exit_code, 0);
+  EXPECT_TRUE(client::ReadGeometry(out + "/surface.ply").ok());
+  EXPECT_EQ(session({"delete", id}).exit_code, 0);
+  const ProgramResult gone = session({"show", id});
+  EXPECT_EQ(gone.exit_code, 1);
+  EXPECT_THAT(gone.err, HasSubstr(id));
+}
+
+TEST(FitEndToEndTest, AServerThatIsToldToEndDrainsAndEndsWithZero) {
+  // Several times: a signal that meets the wrong thread ends the process without a word.
+  for (const int signal : {SIGTERM, SIGINT, SIGTERM, SIGINT, SIGTERM}) {
+    ServerProgram server;
+    server.program().Signal(signal);
+    EXPECT_EQ(server.program().Wait(), 0);
+  }
+}
+
+TEST(FitEndToEndTest, CtrlCLeavesWhatWasFitted) {
+  const std::string capture = Synth("blob", 40, 40'000), out = EmptyFolder("fit_interrupted");
+  const std::string cage = capture + "/truth/frame_0000.ply";
+  RunningProgram fit(CagefitProgram(),
+                     {"fit", capture, "--template", cage, "--out", out, "--json"});
+  ASSERT_THAT(fit.ReadLine(), HasSubstr("\"frame\":0"));
+  fit.Signal(SIGINT);
+  EXPECT_EQ(fit.Wait(), 4);
+  const auto report = ReadJson(out + "/report.json");
+  EXPECT_GE(report["total"]["fitted"], 1);
+  EXPECT_LT(report["total"]["fitted"], 40);
+  EXPECT_GT(report["total"]["unanswered"], 0);
+  EXPECT_TRUE(std::filesystem::exists(out + "/frames/0000.obj"));
+}
+
+}  // namespace
+}  // namespace cagefit::testing
