@@ -22,8 +22,7 @@ absl::Status CheckPointCount(const Frame& frame, int64_t decoded) {
 
 absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const Frame& frame) {
   if (frame.point_count > static_cast<uint64_t>(limits.max_points)) {
-    return LimitExceeded("header.point_count", static_cast<int64_t>(frame.point_count),
-                         limits.max_points);
+    return LimitExceeded("header.point_count", frame.point_count, limits.max_points);
   }
   auto decoded = DecodeDracoCloud(frame.bytes, limits);
   if (absl::IsInvalidArgument(decoded.status())) {
