@@ -14,7 +14,9 @@ using cagefit::testing::Icosphere;
 using cagefit::testing::OpenGrid;
 
 Points3d Turned(const Points3d& points) {
-  return Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, 2, 3).normalized()) * points;
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  return turn * points;
 }
 
 // Two triangles over the common edge (0, 1); vertex 3 lies at `x` beside vertex 2 at 1.
