@@ -3,52 +3,24 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <poll.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "absl/strings/str_cat.h"
 #include "server/session/error_detail.h"
-#include "server/session/private_folder.h"
+#include "tests/server/session/life_line.h"
 
 namespace cagefit::server {
 namespace {
 
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using testing::LifeLine;
 using ::testing::Not;
 
 absl::StatusOr<ChildResult> RunScript(const std::string& script, const ChildLimits& limits = {},
                                       const CancelFn& cancelled = nullptr) {
   return RunChild({"/bin/sh", "-c", script}, limits, cancelled);
 }
-
-// A named pipe whose writers are the child's processes: its end tells that all of them are gone.
-class LifeLine {
- public:
-  LifeLine() : folder_(PrivateFolder::Create().value()), path_(folder_.path() + "/pipe") {
-    EXPECT_EQ(mkfifo(path_.c_str(), 0600), 0);
-    fd_ = open(path_.c_str(), O_RDONLY | O_NONBLOCK);
-    EXPECT_GE(fd_, 0);
-  }
-  ~LifeLine() { close(fd_); }
-
-  const std::string& path() const { return path_; }
-  // True once a byte was written.
-  bool Started() {
-    char byte;
-    return read(fd_, &byte, 1) == 1;
-  }
-  bool AllWritersEnd() {
-    pollfd ready = {fd_, 0, 0};
-    return poll(&ready, 1, 10'000) == 1 && (ready.revents & POLLHUP) != 0;
-  }
-
- private:
-  PrivateFolder folder_;
-  std::string path_;
-  int fd_ = -1;
-};
 
 TEST(ChildProcessTest, ReturnsTheExitCode) {
   for (const int code : {0, 1, 42}) {
