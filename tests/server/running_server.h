@@ -2,6 +2,7 @@
 #ifndef CAGEFIT_TESTS_SERVER_RUNNING_SERVER_H_
 #define CAGEFIT_TESTS_SERVER_RUNNING_SERVER_H_
 
+#include <grpc/grpc.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -24,6 +25,10 @@ namespace cagefit::server::testing {
 class RunningServer {
  public:
   explicit RunningServer(ServerOptions options = ServerOptions()) {
+    // Without a reference of its own, the next test would wait for gRPC to shut down first: 10 s
+    // after large messages.
+    static const bool keep_grpc = (grpc_init(), true);
+    (void)keep_grpc;
     options.listen = {"127.0.0.1:0", "unix:" + folder_.path() + "/socket"};
     auto server = Server::Start(options, SilentLog());
     EXPECT_TRUE(server.ok()) << server.status();

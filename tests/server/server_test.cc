@@ -534,6 +534,23 @@ TEST(ServerTest, ShutdownEndsIdleStreamsWithUnavailable) {
   EXPECT_EQ(ReasonOf(ended), "DRAINING");
 }
 
+TEST(ServerTest, WhateverTheTemplateProgramSaysReachesTheClient) {
+  const PrivateFolder folder = PrivateFolder::Create().value();
+  ServerOptions options;
+  options.template_program = folder.path() + "/program";
+  std::ofstream(options.template_program) << "#!/bin/sh\nprintf 'bad: \\377' >&2\nexit 1\n";
+  ASSERT_EQ(chmod(options.template_program.c_str(), 0700), 0);
+  RunningServer server(options);
+  const auto client = server.Connect();
+  v1::CreateSessionRequest request;
+  request.mutable_make_template()->set_vertices(100);
+  const auto stream = client->OpenStream(client->CreateSession(request)->session_id());
+  ASSERT_TRUE((*stream)->Send(OutgoingMovingFrame(0)).ok());
+  const FittedFrame frame = ReceiveFrame(stream->get());
+  EXPECT_TRUE(absl::IsInvalidArgument(frame.status)) << frame.status;
+  EXPECT_THAT(std::string(frame.status.message()), HasSubstr("bad: ?"));
+}
+
 TEST(ServerTest, ATemplateWithoutItsProgramIsAFailedPrecondition) {
   ServerOptions options;
   options.template_program = "/nowhere/cagefit";
