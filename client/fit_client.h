@@ -52,8 +52,8 @@ class FrameStream {
   uint64_t next_sequence_number() const;  // as the server said when the stream opened
 
   // Blocks while the server does not read, or while frames_in_flight + 1 frames are unanswered
-  // (back-pressure), so another thread has to receive. INVALID_ARGUMENT for a frame that could not
-  // be sent at all; any other error means that the stream has ended; Receive says why.
+  // (back-pressure), so another thread has to receive. An error means that the stream has ended;
+  // Receive says why.
   absl::Status Send(const OutgoingFrame& frame);
   absl::Status CloseSending();
 

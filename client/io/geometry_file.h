@@ -29,9 +29,14 @@ struct ReadLimits {
   int64_t max_faces = 100'000'000;
 };
 
+// The end of the name from its last dot on, in lower case: ".ply".
+std::string FileExtension(const std::string& path);
+// True when the name ends with one of the formats above.
+bool IsGeometryFile(const std::string& path);
+
 // NOT_FOUND, INVALID_ARGUMENT or RESOURCE_EXHAUSTED; the message starts with the path and says what
 // is wrong and where. Points that are not finite, and faces with indices out of range, are errors;
-// a PLY or PCD cloud may hold NaN points (depth cameras write them), which are dropped.
+// a PLY, PCD or XYZ cloud may hold NaN points (depth cameras write them), which are dropped.
 absl::StatusOr<Geometry> ReadGeometry(const std::string& path, const ReadLimits& limits = {});
 
 // A fit's target: the cloud, or the vertices of the mesh with their normals (the file's, or

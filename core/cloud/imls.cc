@@ -10,7 +10,7 @@
 #define CAGEFIT_CORE_CLOUD_IMLS_SUMS_
 namespace cagefit {
 
-// Sums over the support, one lane group each; kept in memory between runs.
+// Sums over the support, one lane group each.
 enum ImlsSum {
   kPhi,    // sum phi
   kPhiC,   // sum phi c
@@ -33,6 +33,13 @@ struct ImlsSums {
   alignas(64) double lanes[kSums][kMaxLanes];
 };
 
+// Points begin to end of the grid.
+struct Run {
+  int32_t begin, end;
+};
+// As many as a radius of one cell meets, so that most samples take one call.
+constexpr int kMaxRuns = 27;
+
 }  // namespace cagefit
 #endif  // CAGEFIT_CORE_CLOUD_IMLS_SUMS_
 
@@ -44,8 +51,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<double, kMaxLanes>;
 using V = hn::Vec<D>;
 
-void AccumulateRun(const CellGrid& grid, int64_t begin, int64_t end, const double* x,
-                   double inverse_h2, ImlsSums* sums) {
+void AccumulateRuns(const CellGrid& grid, const Run* runs, int count, const double* x,
+                    double inverse_h2, ImlsSums* sums) {
   const D d;
   const hn::Rebind<float, D> df;
   const int64_t lanes = static_cast<int64_t>(hn::Lanes(d));
@@ -55,34 +62,38 @@ void AccumulateRun(const CellGrid& grid, int64_t begin, int64_t end, const doubl
   V acc[kSums];
   for (int s = 0; s < kSums; ++s) acc[s] = hn::Load(d, sums->lanes[s]);
   const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::LoadU(df, p)); };
-  for (int64_t i = begin; i < end; i += lanes) {
-    const V dx = hn::Sub(qx, load(grid.point(0) + i));
-    const V dy = hn::Sub(qy, load(grid.point(1) + i));
-    const V dz = hn::Sub(qz, load(grid.point(2) + i));
-    const V r2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-    V t = hn::Max(hn::Sub(one, hn::Mul(r2, scale)), hn::Zero(d));
-    if (i + lanes > end) t = hn::IfThenElseZero(hn::FirstN(d, end - i), t);
-    if (hn::AllTrue(d, hn::Eq(t, hn::Zero(d)))) continue;
-    const V nx = load(grid.normal(0) + i);
-    const V ny = load(grid.normal(1) + i);
-    const V nz = load(grid.normal(2) + i);
-    const V c = hn::Add(hn::Add(hn::Mul(nx, dx), hn::Mul(ny, dy)), hn::Mul(nz, dz));
-    const V t3 = hn::Mul(hn::Mul(t, t), t);
-    const V phi = hn::Mul(t3, t);
-    const V t3c = hn::Mul(t3, c);
-    acc[kPhi] = hn::Add(acc[kPhi], phi);
-    acc[kPhiC] = hn::Add(acc[kPhiC], hn::Mul(phi, c));
-    acc[kPhiNx] = hn::Add(acc[kPhiNx], hn::Mul(phi, nx));
-    acc[kPhiNy] = hn::Add(acc[kPhiNy], hn::Mul(phi, ny));
-    acc[kPhiNz] = hn::Add(acc[kPhiNz], hn::Mul(phi, nz));
-    acc[kCubeX] = hn::Add(acc[kCubeX], hn::Mul(t3, dx));
-    acc[kCubeY] = hn::Add(acc[kCubeY], hn::Mul(t3, dy));
-    acc[kCubeZ] = hn::Add(acc[kCubeZ], hn::Mul(t3, dz));
-    acc[kCubeCX] = hn::Add(acc[kCubeCX], hn::Mul(t3c, dx));
-    acc[kCubeCY] = hn::Add(acc[kCubeCY], hn::Mul(t3c, dy));
-    acc[kCubeCZ] = hn::Add(acc[kCubeCZ], hn::Mul(t3c, dz));
-    acc[kCount] = hn::Add(acc[kCount], hn::IfThenElseZero(hn::Gt(t, hn::Zero(d)), one));
-    acc[kMaxT] = hn::Max(acc[kMaxT], t);
+  for (int k = 0; k < count; ++k) {
+    for (int64_t i = runs[k].begin; i < runs[k].end; i += lanes) {
+      const V dx = hn::Sub(qx, load(grid.point(0) + i));
+      const V dy = hn::Sub(qy, load(grid.point(1) + i));
+      const V dz = hn::Sub(qz, load(grid.point(2) + i));
+      const V r2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+      V t = hn::Max(hn::Sub(one, hn::Mul(r2, scale)), hn::Zero(d));
+      if (i + lanes > runs[k].end) {
+        t = hn::IfThenElseZero(hn::FirstN(d, static_cast<size_t>(runs[k].end - i)), t);
+      }
+      if (hn::AllTrue(d, hn::Eq(t, hn::Zero(d)))) continue;
+      const V nx = load(grid.normal(0) + i);
+      const V ny = load(grid.normal(1) + i);
+      const V nz = load(grid.normal(2) + i);
+      const V c = hn::Add(hn::Add(hn::Mul(nx, dx), hn::Mul(ny, dy)), hn::Mul(nz, dz));
+      const V t3 = hn::Mul(hn::Mul(t, t), t);
+      const V phi = hn::Mul(t3, t);
+      const V t3c = hn::Mul(t3, c);
+      acc[kPhi] = hn::Add(acc[kPhi], phi);
+      acc[kPhiC] = hn::Add(acc[kPhiC], hn::Mul(phi, c));
+      acc[kPhiNx] = hn::Add(acc[kPhiNx], hn::Mul(phi, nx));
+      acc[kPhiNy] = hn::Add(acc[kPhiNy], hn::Mul(phi, ny));
+      acc[kPhiNz] = hn::Add(acc[kPhiNz], hn::Mul(phi, nz));
+      acc[kCubeX] = hn::Add(acc[kCubeX], hn::Mul(t3, dx));
+      acc[kCubeY] = hn::Add(acc[kCubeY], hn::Mul(t3, dy));
+      acc[kCubeZ] = hn::Add(acc[kCubeZ], hn::Mul(t3, dz));
+      acc[kCubeCX] = hn::Add(acc[kCubeCX], hn::Mul(t3c, dx));
+      acc[kCubeCY] = hn::Add(acc[kCubeCY], hn::Mul(t3c, dy));
+      acc[kCubeCZ] = hn::Add(acc[kCubeCZ], hn::Mul(t3c, dz));
+      acc[kCount] = hn::Add(acc[kCount], hn::IfThenElseZero(hn::Gt(t, hn::Zero(d)), one));
+      acc[kMaxT] = hn::Max(acc[kMaxT], t);
+    }
   }
   for (int s = 0; s < kSums; ++s) hn::Store(acc[s], d, sums->lanes[s]);
 }
@@ -93,15 +104,21 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace cagefit {
-HWY_EXPORT(AccumulateRun);
+HWY_EXPORT(AccumulateRuns);
 
 ImlsValue EvaluateImls(const CellGrid& grid, const Eigen::Vector3d& x, double h) {
   ImlsSums sums = {};
   const double inverse_h2 = 1.0 / (h * h);
-  const auto accumulate = HWY_DYNAMIC_DISPATCH(AccumulateRun);
+  const auto accumulate = HWY_DYNAMIC_DISPATCH(AccumulateRuns);
+  Run runs[kMaxRuns];
+  int count = 0;
   grid.ForEachRun(x, h, [&](int32_t begin, int32_t end) {
-    accumulate(grid, begin, end, x.data(), inverse_h2, &sums);
+    runs[count++] = {begin, end};
+    if (count < kMaxRuns) return;
+    accumulate(grid, runs, count, x.data(), inverse_h2, &sums);
+    count = 0;
   });
+  if (count > 0) accumulate(grid, runs, count, x.data(), inverse_h2, &sums);
 
   double total[kSums];
   for (int s = 0; s < kSums; ++s) {

@@ -19,7 +19,7 @@ enum class RestMesh { kTemplate, kPreviousFrame };
 struct DistanceOptions {
   Sampling sampling = Sampling::kRefinedVertices;
   double radius = 0;           // h, user units; 0: radius_factor times the spacing of each frame
-  double radius_factor = 2.0;  // of the median distance to the 6th neighbour; 0.5 to 20
+  double radius_factor = 1.7;  // of the median distance to the 6th neighbour; 0.5 to 20
   double far_radius = 0;       // d0, user units; 0: three times the radius
 };
 
@@ -37,7 +37,7 @@ struct SolverOptions {
   double relative_decrease = 1e-2;  // stop when a step lowers the energy by less; up to 0.5
   // Gauss-Newton starts with alpha times this and lowers it step by step, so that parts which moved
   // as a whole are carried as a whole. 1 to 1e6; 1: no continuation.
-  double first_stiffness = 1000;
+  double first_stiffness = 100;
 };
 
 struct FitOptions {

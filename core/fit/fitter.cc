@@ -25,6 +25,16 @@ StencilMatrix SampleStencils(const ControlMesh& mesh, Sampling sampling) {
   return BuildLimitMesh(mesh.topology(), mesh.tags(), levels).position;
 }
 
+absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
+  if (starts.empty()) return absl::InvalidArgumentError("starts: none");
+  for (const Points3d& start : starts) {
+    if (start.cols() == n && start.allFinite()) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("start: %d vertices; %d finite ones are needed", start.cols(), n));
+  }
+  return absl::OkStatus();
+}
+
 void ToUnit(const Normalization& normalization, const PointCloud& user, PointCloud* unit) {
   unit->points.resize(3, user.size());
   ParallelFor(user.size(), 16384, [&](int64_t begin, int64_t end) {
@@ -50,6 +60,26 @@ struct Fitter::State {
     objective.SetRest(rest);
   }
 
+  // Writes the start with the lowest E_dist, in unit coordinates, and returns its index.
+  int Begin(const std::vector<Points3d>& starts, Points3d* V) {
+    int best = 0;
+    double lowest = 0;
+    for (size_t k = 0; k < starts.size(); ++k) {
+      Points3d start = normalization.ToUnit(starts[k]);
+      objective.SetTarget(&index, far_radius);
+      if (starts.size() > 1) {
+        const double energy = objective.Assign(start, &half_gradient).distance;
+        if (k > 0 && !(energy < lowest)) continue;
+        lowest = energy;
+      }
+      best = static_cast<int>(k);
+      V->swap(start);
+    }
+    // Radius and branch of another start's samples are none of this one's business.
+    if (best + 1 < static_cast<int>(starts.size())) objective.SetTarget(&index, far_radius);
+    return best;
+  }
+
   Normalization normalization;
   FitOptions options;
   Points3d rest;  // of the template, unit coordinates
@@ -57,6 +87,8 @@ struct Fitter::State {
   StepSystem system;
   PointCloud cloud;  // the frame's, unit coordinates
   TargetIndex index;
+  double far_radius = 0;   // of the frame, unit coordinates
+  Points3d half_gradient;  // work space
 };
 
 absl::StatusOr<Fitter> Fitter::Create(const ControlMesh& template_mesh,
@@ -71,15 +103,12 @@ Fitter::~Fitter() = default;
 Fitter::Fitter(Fitter&&) noexcept = default;
 Fitter& Fitter::operator=(Fitter&&) noexcept = default;
 
-absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target, const Points3d& start,
+absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
+                                       const std::vector<Points3d>& starts,
                                        const CancelFn& cancelled, const ClockFn& clock,
                                        Points3d* fitted) {
   State& s = *state_;
-  const int64_t n = s.rest.cols();
-  if (start.cols() != n || !start.allFinite()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("start: %d vertices; %d finite ones are needed", start.cols(), n));
-  }
+  RETURN_IF_ERROR(CheckStarts(starts, s.rest.cols()));
   RETURN_IF_ERROR(ValidateTarget(target));
   if (!target.has_normals()) return absl::InvalidArgumentError("target: it has no normals");
   const auto now = [&] { return clock ? clock() : 0.0; };
@@ -89,13 +118,12 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target, const Points3d&
   const double scale = s.normalization.scale;
   RETURN_IF_ERROR(
       s.index.Build(s.cloud, s.options.distance.radius * scale, s.options.distance.radius_factor));
-  const double far_radius = s.options.distance.far_radius > 0
-                                ? s.options.distance.far_radius * scale
-                                : kFarRadiusPerRadius * s.index.radius();
-  s.objective.SetTarget(&s.index, far_radius);
+  s.far_radius = s.options.distance.far_radius > 0 ? s.options.distance.far_radius * scale
+                                                   : kFarRadiusPerRadius * s.index.radius();
   const double t_indexed = now();
 
-  Points3d V = s.normalization.ToUnit(start);
+  Points3d V;
+  const int chosen = s.Begin(starts, &V);
   // Rotations, too, start afresh, so that the result depends on nothing but the arguments.
   s.objective.SetRest(s.options.arap.rest == RestMesh::kPreviousFrame ? V : s.rest);
   ASSIGN_OR_RETURN(
@@ -109,6 +137,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target, const Points3d&
   *fitted = s.normalization.ToUser(V);
 
   FitSummary summary;
+  summary.start = chosen;
   summary.initial = result.initial;
   summary.final = result.final;
   summary.iterations = result.iterations;

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/base/cancel.h"
@@ -18,6 +19,7 @@ namespace cagefit {
 
 struct FitSummary {
   Energies initial, final;
+  int start = 0;           // which of the starts was taken
   int iterations = 0;      // solver steps tried
   bool converged = false;  // relative decrease met before the iteration limit
   double radius = 0;       // h, user units
@@ -41,11 +43,12 @@ class Fitter {
   Fitter(Fitter&&) noexcept;
   Fitter& operator=(Fitter&&) noexcept;
 
-  // Fits to `target` (validated, with normals; user units) starting from `start` (3 x n, user
-  // units) and writes the fitted control vertices (3 x n, user units) to `*fitted`. A pure function
-  // of Create's arguments, `start` and `target`. CANCELLED within one solver step; INTERNAL when
-  // the fit diverged (not finite). On error *fitted is unchanged.
-  absl::StatusOr<FitSummary> Fit(const PointCloud& target, const Points3d& start,
+  // Fits to `target` (validated, with normals; user units) and writes the fitted control vertices
+  // (3 x n, user units) to `*fitted`. Of `starts` (each 3 x n, user units; at least one), the one
+  // nearest to the target by E_dist is where it begins, the first of equals. A pure function of
+  // Create's arguments, `starts` and `target`. CANCELLED within one solver step; INTERNAL when the
+  // fit diverged (not finite). On error *fitted is unchanged.
+  absl::StatusOr<FitSummary> Fit(const PointCloud& target, const std::vector<Points3d>& starts,
                                  const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted);
 
  private:

@@ -13,7 +13,7 @@ constexpr double kInitialDamping = 1e-5;  // of the mean diagonal
 constexpr double kLeastDamping = 1e-8, kMostDamping = 1e6;
 constexpr int kMaxLinearIterations = 400;
 // Of the residual in each linear solve: a tighter one costs more than the steps that it saves.
-constexpr double kLinearTolerance = 0.02;
+constexpr double kLinearTolerance = 0.1;
 constexpr double kRounding = 1e-12;
 // Steps after which radius and branch are chosen anew. Where a radius doubles the energy jumps by a
 // percent, and a few samples that go to and fro would keep it from ever settling.

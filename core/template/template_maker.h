@@ -23,7 +23,8 @@ struct TemplateReport {
   int64_t input_vertices = 0;
   int32_t components_kept = 0, components_dropped = 0;
   int32_t boundary_loops = 0;
-  int32_t repaired_edges = 0, repaired_vertices = 0;
+  int64_t repaired_triangles = 0;  // left out: degenerate, doubled or a third one at an edge
+  int64_t repaired_vertices = 0;   // split: several fans of triangles met there
 };
 
 // Quadric edge collapse [garland1997] to the requested count, open boundaries kept. The result is

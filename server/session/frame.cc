@@ -5,26 +5,33 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "core/cloud/normals.h"
+#include "core/cloud/surface_cloud.h"
 #include "server/session/error_detail.h"
 
 namespace cagefit::server {
 namespace {
 
-absl::Status CheckPointCount(const Frame& frame, int64_t decoded) {
-  const int64_t stated = static_cast<int64_t>(frame.point_count);
-  if (stated == 0 || stated == decoded) return absl::OkStatus();
-  // Of a mesh, vertices without a normal are left out.
-  const auto info = InspectDraco(frame.bytes);
-  if (info.ok() && info->is_mesh && stated > decoded) return absl::OkStatus();
-  return InvalidField("header.point_count", absl::StrCat(stated),
-                      absl::StrCat("the bytes hold ", decoded, " points"));
+// The cloud, or the surface of a mesh; `held` is the number of points that the bytes hold.
+absl::StatusOr<PointCloud> DecodeTarget(absl::string_view bytes, const DecodeLimits& limits,
+                                        int64_t* held) {
+  ASSIGN_OR_RETURN(const DracoInfo info, InspectDraco(bytes));
+  if (!info.is_mesh) {
+    ASSIGN_OR_RETURN(PointCloud cloud, DecodeDracoCloud(bytes, limits));
+    *held = cloud.size();
+    return cloud;
+  }
+  Points3f normals;
+  ASSIGN_OR_RETURN(const TriangleMesh mesh, DecodeDracoMesh(bytes, limits, &normals));
+  *held = mesh.vertices.cols();
+  return SurfaceCloud(mesh, normals);
 }
 
 absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const Frame& frame) {
   if (frame.point_count > static_cast<uint64_t>(limits.max_points)) {
     return LimitExceeded("header.point_count", frame.point_count, limits.max_points);
   }
-  auto decoded = DecodeDracoCloud(frame.bytes, limits);
+  int64_t held = 0;
+  auto decoded = DecodeTarget(frame.bytes, limits, &held);
   if (absl::IsInvalidArgument(decoded.status())) {
     return WithDetail(decoded.status(), {"BAD_FRAME", "chunk.data", "", ""});
   }
@@ -32,7 +39,10 @@ absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const Frame& frame
     return WithDetail(decoded.status(), {"LIMIT_EXCEEDED", "chunk.data", "", ""});
   }
   RETURN_IF_ERROR(decoded.status());
-  RETURN_IF_ERROR(CheckPointCount(frame, decoded->size()));
+  if (frame.point_count != 0 && frame.point_count != static_cast<uint64_t>(held)) {
+    return InvalidField("header.point_count", absl::StrCat(frame.point_count),
+                        absl::StrCat("the bytes hold ", held, " points"));
+  }
   absl::Status valid = ValidateTarget(*decoded);
   if (valid.ok() && !decoded->has_normals()) valid = EstimateNormals(NormalOptions(), &*decoded);
   if (!valid.ok()) return WithDetail(valid, {"BAD_FRAME", "chunk.data", "", ""});

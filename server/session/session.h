@@ -24,7 +24,7 @@ struct FrameAnswer {
 
 // One user at a time: through a SessionLease.
 //
-// A fit reads the session's config, its template, the control vertices after the fitted frame
+// A fit reads the session's config, its template, the control vertices after the two fitted frames
 // before (as the client has them), and the frame's bytes; nothing else, so the same frames give the
 // same bits.
 class Session {
@@ -53,6 +53,8 @@ class Session {
 
   absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
   absl::Status Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer, Step* step);
+  // Where the next fit may begin.
+  std::vector<Points3d> Starts(const SurfaceModel& model) const;
   absl::StatusOr<SurfaceModel> MakeModel(const Frame& frame, const CancelFn& cancelled,
                                          StoredFrame* answer);
   absl::Status EncodeState(const SurfaceModel& model, const Points3d& fitted, StoredFrame* answer,
@@ -66,7 +68,8 @@ class Session {
 
   std::optional<SurfaceModel> model_;  // empty until a frame is fitted
   Points3d vertices_;                  // 3 x n after the last fitted frame, as the client has them
-  GridPoints q_;                       // the same on the grid
+  Points3d before_;                    // after the fitted frame before that, or 3 x 0
+  GridPoints q_;                       // vertices_ on the grid
   Points3d last_good_;                 // after the last frame that was not LOST
   bool lost_ = false;                  // the last fitted frame was LOST
   std::vector<double> ok_rms_;         // of the frames judged OK, sorted

@@ -12,7 +12,7 @@ ALLOWED = {
     "core/subdiv": ["core/base", "core/mesh"],
     "core/cloud": ["core/base", "core/mesh"],
     "core/codec": ["core/base", "core/mesh", "core/cloud"],
-    "core/template": ["core/base", "core/mesh", "core/cloud"],
+    "core/template": ["core/base", "core/mesh", "core/subdiv", "core/cloud"],
     "core/energy": ["core/base", "core/mesh", "core/subdiv", "core/cloud"],
     "core/metrics": ["core/base", "core/mesh", "core/subdiv", "core/cloud"],
     "core/fit": ["core/base", "core/mesh", "core/subdiv", "core/cloud", "core/energy"],

@@ -33,7 +33,7 @@ class FitterTest : public ::testing::Test {
 TEST_F(FitterTest, LimitSurfaceReachesTheTarget) {
   Fitter fitter = MakeFitter();
   Points3d fitted;
-  const auto summary = fitter.Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &fitted);
+  const auto summary = fitter.Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_TRUE(summary->converged);
   Points3d Q;
@@ -48,9 +48,9 @@ TEST_F(FitterTest, LimitSurfaceReachesTheTarget) {
 TEST_F(FitterTest, IsAPureFunctionOfItsArguments) {
   Fitter used = MakeFitter(), fresh = MakeFitter();
   Points3d first, second, again, other;
-  ASSERT_TRUE(used.Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &first).ok());
-  ASSERT_TRUE(used.Fit(UserCloud(0.05), first, nullptr, nullptr, &second).ok());
-  ASSERT_TRUE(fresh.Fit(UserCloud(0.05), first, nullptr, nullptr, &again).ok());
+  ASSERT_TRUE(used.Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &first).ok());
+  ASSERT_TRUE(used.Fit(UserCloud(0.05), {first}, nullptr, nullptr, &second).ok());
+  ASSERT_TRUE(fresh.Fit(UserCloud(0.05), {first}, nullptr, nullptr, &again).ok());
   EXPECT_EQ(second, again);
   EXPECT_NE(first, second);
 }
@@ -60,15 +60,32 @@ TEST_F(FitterTest, ARefusedFrameLeavesTheResultAlone) {
   Points3d fitted = Points3d::Constant(3, 1, 7);
   PointCloud bad = UserCloud(0);
   bad.points(1, 17) = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(fitter.Fit(bad, cage_.vertices(), nullptr, nullptr, &fitted).status().code(),
+  EXPECT_EQ(fitter.Fit(bad, {cage_.vertices()}, nullptr, nullptr, &fitted).status().code(),
             absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(fitter
                 .Fit(
-                    UserCloud(0), cage_.vertices(), [] { return true; }, nullptr, &fitted)
+                    UserCloud(0), {cage_.vertices()}, [] { return true; }, nullptr, &fitted)
                 .status()
                 .code(),
             absl::StatusCode::kCancelled);
   EXPECT_EQ(fitted, Points3d::Constant(3, 1, 7));
+}
+
+TEST_F(FitterTest, BeginsAtTheStartNearestToTheTarget) {
+  Fitter fitter = MakeFitter(FitOptions());
+  const Points3d far = cage_.vertices().colwise() + Eigen::Vector3d(0, 0, 0.1 * kUserScale);
+  Points3d fitted, alone;
+  const auto first = fitter.Fit(UserCloud(0), {cage_.vertices(), far}, nullptr, nullptr, &fitted);
+  const auto second = fitter.Fit(UserCloud(0), {far, cage_.vertices()}, nullptr, nullptr, &fitted);
+  const auto equal =
+      fitter.Fit(UserCloud(0), {cage_.vertices(), cage_.vertices()}, nullptr, nullptr, &fitted);
+  ASSERT_TRUE(first.ok() && second.ok() && equal.ok());
+  EXPECT_EQ(first->start, 0);
+  EXPECT_EQ(second->start, 1);
+  EXPECT_EQ(equal->start, 0);
+  ASSERT_TRUE(fitter.Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &alone).ok());
+  EXPECT_EQ(fitted, alone);
+  EXPECT_FALSE(fitter.Fit(UserCloud(0), {}, nullptr, nullptr, &fitted).ok());
 }
 
 TEST_F(FitterTest, TheCeresSolverAgrees) {
@@ -81,9 +98,9 @@ TEST_F(FitterTest, TheCeresSolverAgrees) {
   ceres_options.solver.solver = Solver::kCeres;
   Points3d fitted;
   const auto newton =
-      MakeFitter(options).Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &fitted);
+      MakeFitter(options).Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
   const auto ceres =
-      MakeFitter(ceres_options).Fit(UserCloud(0), cage_.vertices(), nullptr, nullptr, &fitted);
+      MakeFitter(ceres_options).Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
   ASSERT_TRUE(newton.ok() && ceres.ok());
   EXPECT_NEAR(newton->final.total(), ceres->final.total(), 1e-3 * ceres->final.total());
 }

@@ -1,0 +1,167 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/commands/command.h"
+#include "client/commands/input_files.h"
+#include "client/commands/json.h"
+#include "client/io/geometry_file.h"
+#include "client/limit_surface.h"
+#include "core/base/status.h"
+
+namespace cagefit::client {
+namespace {
+
+struct EvaluateArguments {
+  std::string cages, targets, truth;
+  int levels = kMetricLevels;
+  bool json = false;
+};
+
+struct Evaluated {
+  std::string cage, target;
+  SurfaceMetrics distances;
+  std::optional<DriftStats> drift;
+};
+
+absl::StatusOr<SurfaceMetrics> Compare(const TriangleMesh& fit, const std::string& target) {
+  ASSIGN_OR_RETURN(const Geometry geometry, ReadGeometry(target));
+  if (!geometry.is_cloud()) return CompareToMesh(fit, geometry.mesh);
+  return CompareToCloud(fit, ToCloud(geometry));
+}
+
+absl::Status CheckSameNumber(size_t cages, size_t others, const std::string& what) {
+  if (cages == others) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(cages, " control meshes but ", others, " ", what, "; expected as many"));
+}
+
+// Frame by frame; drift is measured against the first one.
+class Evaluation {
+ public:
+  explicit Evaluation(const EvaluateArguments& arguments) : arguments_(arguments) {}
+
+  absl::StatusOr<std::vector<Evaluated>> Run() {
+    ASSIGN_OR_RETURN(const std::vector<std::string> cages, ListInputs({arguments_.cages}));
+    ASSIGN_OR_RETURN(const std::vector<std::string> targets, ListInputs({arguments_.targets}));
+    RETURN_IF_ERROR(CheckSameNumber(cages.size(), targets.size(), "targets"));
+    std::vector<std::string> truth;
+    if (!arguments_.truth.empty()) {
+      ASSIGN_OR_RETURN(truth, ListInputs({arguments_.truth}));
+      RETURN_IF_ERROR(CheckSameNumber(cages.size(), truth.size(), "frames of the true motion"));
+    }
+    std::vector<Evaluated> frames;
+    for (size_t k = 0; k < cages.size(); ++k) {
+      ASSIGN_OR_RETURN(const ControlMesh cage, ReadControlMesh(cages[k]));
+      const TriangleMesh fit = LimitSurface(cage, arguments_.levels);
+      Evaluated frame;
+      frame.cage = cages[k];
+      frame.target = targets[k];
+      ASSIGN_OR_RETURN(frame.distances, Compare(fit, targets[k]));
+      if (!truth.empty()) {
+        ASSIGN_OR_RETURN(frame.drift, MeasureDrift(fit, truth[k]));
+      }
+      frames.push_back(std::move(frame));
+    }
+    return frames;
+  }
+
+ private:
+  absl::StatusOr<DriftStats> MeasureDrift(const TriangleMesh& fit, const std::string& truth) {
+    ASSIGN_OR_RETURN(const Geometry geometry, ReadGeometry(truth));
+    const Points3d& points = geometry.mesh.vertices;
+    if (!meter_.has_value()) {
+      fit_triangles_ = fit.triangles.cols();
+      truth_points_ = points.cols();
+      meter_.emplace(fit, points);
+    }
+    if (fit.triangles.cols() != fit_triangles_ || points.cols() != truth_points_) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(truth, ": ", points.cols(), " points and ", fit.triangles.cols(),
+                       " triangles of the fit; the first frame has ", truth_points_, " and ",
+                       fit_triangles_, ", and drift needs one connectivity for all frames"));
+    }
+    return meter_->Measure(fit.vertices, points);
+  }
+
+  const EvaluateArguments& arguments_;
+  std::optional<DriftMeter> meter_;
+  int64_t fit_triangles_ = 0, truth_points_ = 0;
+};
+
+Json FramesJson(const std::vector<Evaluated>& frames) {
+  Json json = Json::array();
+  for (const Evaluated& frame : frames) {
+    Json entry = {{"cage", frame.cage}, {"target", frame.target}};
+    entry["distances"] = ToJson(frame.distances);
+    if (frame.drift.has_value()) {
+      entry["drift"] = ToJson(*frame.drift, frames.front().distances.diagonal);
+    }
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
+void PrintRow(const char* name, const DistanceStats& stats, const SurfaceMetrics& metrics) {
+  std::cout << absl::StreamFormat("%-28s %10.4f %10.4f %10.4f %12.6g\n", name,
+                                  metrics.Percent(stats.mean), metrics.Percent(stats.rms),
+                                  metrics.Percent(stats.max), stats.rms);
+}
+
+void PrintTable(const std::vector<Evaluated>& frames) {
+  const double diagonal = frames.front().distances.diagonal;
+  for (const Evaluated& frame : frames) {
+    const SurfaceMetrics& d = frame.distances;
+    std::cout << frame.cage << " against " << frame.target << "\n"
+              << absl::StreamFormat("%-28s %10s %10s %10s %12s\n", "  % of the diagonal", "mean",
+                                    "RMS", "max", "RMS (units)");
+    PrintRow("  target to fit", d.target_to_fit, d);
+    PrintRow(d.approximate ? "  fit to target (approximate)" : "  fit to target", d.fit_to_target,
+             d);
+    if (!frame.drift.has_value()) continue;
+    const double scale = diagonal > 0 ? 100 / diagonal : 0;
+    std::cout << absl::StreamFormat("%-28s %10.4f %10.4f %10.4f %12.6g\n", "  drift",
+                                    scale * frame.drift->mean, scale * frame.drift->rms,
+                                    scale * frame.drift->max, frame.drift->rms);
+  }
+}
+
+int Evaluate(const EvaluateArguments& arguments) {
+  const auto frames = Evaluation(arguments).Run();
+  if (!frames.ok()) {
+    Report(frames.status());
+    return kFailed;
+  }
+  if (arguments.json) {
+    std::cout << FramesJson(*frames).dump(2) << "\n";
+  } else {
+    PrintTable(*frames);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void AddEvaluateCommand(CLI::App* app, Run* run) {
+  const auto arguments = std::make_shared<EvaluateArguments>();
+  CLI::App* command = app->add_subcommand(
+      "evaluate", "Measure the distance between a control mesh's limit surface and a target");
+  command->add_option("CAGE", arguments->cages, "Control mesh, or a folder of them, one a frame")
+      ->required();
+  command->add_option("TARGET", arguments->targets, "Mesh or cloud, or a folder of as many")
+      ->required();
+  command->add_option("--truth", arguments->truth,
+                      "Folder of meshes whose vertices correspond from frame to frame: measures "
+                      "drift");
+  command->add_option("--levels", arguments->levels, "Refinement levels of the limit surface")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 6));
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->callback([arguments, run] { *run = [arguments] { return Evaluate(*arguments); }; });
+}
+
+}  // namespace cagefit::client

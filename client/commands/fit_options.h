@@ -1,0 +1,29 @@
+// The flags of `cagefit fit`.
+#ifndef CAGEFIT_CLIENT_COMMANDS_FIT_OPTIONS_H_
+#define CAGEFIT_CLIENT_COMMANDS_FIT_OPTIONS_H_
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cagefit/v1/fitting.pb.h"
+
+namespace cagefit::client {
+
+struct FitArguments {
+  std::vector<std::string> inputs;
+  std::string out, cage, server, name;
+  uint32_t vertices = 0;
+  int position_bits = 16;
+  int threads = 0;  // of the server inside; 0: one per core
+  bool keep_session = false, quick = false, json = false;
+  v1::SessionOptions options;  // what is not given stays unset: the server's defaults
+};
+
+// The arguments are written when the command line is parsed.
+void AddFitFlags(FitArguments* arguments, CLI::App* command);
+
+}  // namespace cagefit::client
+
+#endif  // CAGEFIT_CLIENT_COMMANDS_FIT_OPTIONS_H_

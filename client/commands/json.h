@@ -1,0 +1,22 @@
+// Metrics as JSON, the same in every command.
+#ifndef CAGEFIT_CLIENT_COMMANDS_JSON_H_
+#define CAGEFIT_CLIENT_COMMANDS_JSON_H_
+
+#include <nlohmann/json.hpp>
+
+#include "core/metrics/drift.h"
+#include "core/metrics/surface_metrics.h"
+
+namespace cagefit::client {
+
+// Keys keep their order.
+using Json = nlohmann::ordered_json;
+
+// Distances in units and in percent of `diagonal`.
+Json ToJson(const DistanceStats& stats, double diagonal);
+Json ToJson(const SurfaceMetrics& metrics);
+Json ToJson(const DriftStats& drift, double diagonal);
+
+}  // namespace cagefit::client
+
+#endif  // CAGEFIT_CLIENT_COMMANDS_JSON_H_

@@ -1,0 +1,91 @@
+#include "client/synth/capture.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/synth/random.h"
+#include "core/base/status.h"
+
+namespace cagefit::client {
+namespace {
+
+// A step is then about 1 % of the diagonal.
+constexpr double kPeriodFrames = 60;
+constexpr double kOutlierBox = 1.2;  // their box, of the shape's
+
+absl::Status CheckRange(const char* name, double value, double least, double most) {
+  if (value >= least && value <= most) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(name, " is ", value, "; it must be from ", least, " to ", most));
+}
+
+struct Weighted {
+  std::vector<double> cumulative_area;
+
+  Weighted(const Points3d& vertices, const Triangles& triangles)
+      : cumulative_area(triangles.cols()) {
+    double sum = 0;
+    for (int64_t f = 0; f < triangles.cols(); ++f) {
+      const Eigen::Vector3d a = vertices.col(triangles(0, f));
+      sum += (vertices.col(triangles(1, f)) - a).cross(vertices.col(triangles(2, f)) - a).norm();
+      cumulative_area[f] = sum;
+    }
+  }
+
+  int64_t Draw(Random* random) const {
+    const double at = random->Uniform() * cumulative_area.back();
+    const auto found = std::upper_bound(cumulative_area.begin(), cumulative_area.end(), at);
+    return std::min<int64_t>(found - cumulative_area.begin(),
+                             static_cast<int64_t>(cumulative_area.size()) - 1);
+  }
+};
+
+}  // namespace
+
+absl::Status CaptureOptions::Validate() const {
+  RETURN_IF_ERROR(CheckRange("frames", frames, 1, 100'000));
+  RETURN_IF_ERROR(CheckRange("points", static_cast<double>(points), kMinTargetPoints, 50e6));
+  RETURN_IF_ERROR(CheckRange("noise", noise, 0, 0.1));
+  return CheckRange("outliers", outliers, 0, 0.9);
+}
+
+double FrameTime(int frame) { return frame / kPeriodFrames; }
+
+PointCloud CaptureFrame(const SynthShape& shape, int frame, const CaptureOptions& options) {
+  const double time = FrameTime(frame);
+  const Points3d moved = shape.Vertices(time);
+  const Triangles& triangles = shape.rest().triangles;
+  const Box box = BoundingBox(moved);
+  const Weighted by_area(moved, triangles);
+  Random random(options.seed * 1'000'003 + static_cast<uint64_t>(frame));
+  PointCloud cloud;
+  cloud.points.resize(3, options.points);
+  cloud.normals.resize(3, options.points);
+  for (int64_t i = 0; i < options.points; ++i) {
+    if (random.Uniform() < options.outliers) {
+      const Eigen::Vector3d share(random.Uniform(), random.Uniform(), random.Uniform());
+      const Eigen::Vector3d middle = 0.5 * (box.min + box.max);
+      cloud.points.col(i) =
+          (middle + kOutlierBox * (share.array() - 0.5).matrix().cwiseProduct(box.size()))
+              .cast<float>();
+      cloud.normals.col(i) = random.NormalVector().normalized().cast<float>();
+      continue;
+    }
+    const int64_t f = by_area.Draw(&random);
+    const double root = std::sqrt(random.Uniform()), s = random.Uniform();
+    const Eigen::Vector3d weights(1 - root, root * (1 - s), root * s);
+    Eigen::Vector3d near = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c) near += weights[c] * shape.rest().vertices.col(triangles(c, f));
+    const SurfacePoint moved_point = shape.MovePoint(shape.OnRest(near), time);
+    Eigen::Vector3d point = moved_point.position;
+    if (options.noise > 0) point += options.noise * box.diagonal() * random.NormalVector();
+    cloud.points.col(i) = point.cast<float>();
+    cloud.normals.col(i) = moved_point.normal.cast<float>();
+  }
+  return cloud;
+}
+
+}  // namespace cagefit::client

@@ -1,0 +1,144 @@
+#include "core/template/mesh_relax.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/mesh/topology.h"
+
+namespace cagefit {
+
+namespace {
+
+// A flip may bend the surface by so much: cosine between the normals of the two triangles, before
+// and after.
+constexpr double kLeastFlipCosine = 0.9;
+constexpr double kGoodAngle = 0.5;  // radians
+constexpr double kStep = 0.5;       // of the way to the middle of the ring
+
+Eigen::Vector3d Cross(const Points3d& V, int32_t a, int32_t b, int32_t c) {
+  return (V.col(b) - V.col(a)).cross(V.col(c) - V.col(a));
+}
+
+double SmallestAngle(const Points3d& V, int32_t a, int32_t b, int32_t c) {
+  const int32_t t[3] = {a, b, c};
+  double smallest = 4;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d u = V.col(t[(k + 1) % 3]) - V.col(t[k]);
+    const Eigen::Vector3d w = V.col(t[(k + 2) % 3]) - V.col(t[k]);
+    smallest = std::min(smallest, std::atan2(u.cross(w).norm(), u.dot(w)));
+  }
+  return smallest;
+}
+
+//      c                c
+//    / | \            /   \        Edge (a b) between triangles (a b c) and (b a d) becomes (c d):
+//   a--|--b   from   a --- b       triangles (a d c) and (d b c).
+//    \ | /            \   /
+//      d                d
+bool IsBetterFlipped(const Points3d& V, const Topology& topology, const std::vector<int>& valence,
+                     int32_t a, int32_t b, int32_t c, int32_t d) {
+  if (topology.FindEdge(c, d) != Topology::kNone) return false;
+  const auto excess = [&](int32_t v, int change) {
+    const int ideal = topology.IsBoundaryVertex(v) ? 4 : 6;
+    return (valence[v] + change - ideal) * (valence[v] + change - ideal);
+  };
+  for (const int32_t v : {a, b}) {
+    if (valence[v] <= (topology.IsBoundaryVertex(v) ? 2 : 3)) return false;
+  }
+  const int before = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
+  const int after = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
+  if (after >= before) return false;
+  const Eigen::Vector3d old_1 = Cross(V, a, b, c).normalized(),
+                        old_2 = Cross(V, b, a, d).normalized();
+  const Eigen::Vector3d new_1 = Cross(V, a, d, c).normalized(),
+                        new_2 = Cross(V, d, b, c).normalized();
+  for (const Eigen::Vector3d* n : {&new_1, &new_2}) {
+    if (!(n->dot(old_1) > kLeastFlipCosine && n->dot(old_2) > kLeastFlipCosine)) return false;
+  }
+  const double old_angle = std::min(SmallestAngle(V, a, b, c), SmallestAngle(V, b, a, d));
+  const double new_angle = std::min(SmallestAngle(V, a, d, c), SmallestAngle(V, d, b, c));
+  return new_angle > 0.6 * old_angle;
+}
+
+// One pass over all edges; triangles that a flip touched rest until the next pass.
+int FlipEdges(TriangleMesh* mesh) {
+  const absl::StatusOr<Topology> topology =
+      Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
+  if (!topology.ok()) return 0;
+  std::vector<int> valence(topology->vertex_count());
+  for (int32_t v = 0; v < topology->vertex_count(); ++v) valence[v] = topology->Valence(v);
+  std::vector<char> touched(topology->vertex_count(), 0);
+  int flips = 0;
+  for (int32_t h = 0; h < 3 * topology->triangle_count(); ++h) {
+    const int32_t g = topology->opposite(h);
+    if (g == Topology::kNone || g < h) continue;
+    const auto at = [&](int32_t half_edge, int k) {
+      return topology->triangles()((half_edge + k) % 3, half_edge / 3);
+    };
+    const int32_t a = at(h, 0), b = at(h, 1), c = at(h, 2), d = at(g, 2);
+    if (touched[a] || touched[b] || touched[c] || touched[d]) continue;
+    if (!IsBetterFlipped(mesh->vertices, *topology, valence, a, b, c, d)) continue;
+    mesh->triangles.col(h / 3) << a, d, c;
+    mesh->triangles.col(g / 3) << d, b, c;
+    for (const int32_t v : {a, b, c, d}) touched[v] = 1;
+    ++flips;
+  }
+  return flips;
+}
+
+// Whether v, an interior vertex, may move to `to`: no triangle of its ring turns over, and none
+// gets a smaller angle than the ring's smallest unless it keeps kGoodAngle.
+bool KeepsRing(const Points3d& V, absl::Span<const int32_t> ring, int32_t v,
+               const Eigen::Vector3d& to) {
+  Points3d corners(3, 4);  // v, where it goes, and two of its ring
+  corners.col(0) = V.col(v);
+  corners.col(1) = to;
+  double before = 4, after = 4;
+  for (size_t k = 0; k < ring.size(); ++k) {
+    corners.col(2) = V.col(ring[k]);
+    corners.col(3) = V.col(ring[(k + 1) % ring.size()]);
+    const Eigen::Vector3d n = Cross(corners, 0, 2, 3), m = Cross(corners, 1, 2, 3);
+    if (!(m.dot(n) > 0.5 * m.norm() * n.norm())) return false;
+    before = std::min(before, SmallestAngle(corners, 0, 2, 3));
+    after = std::min(after, SmallestAngle(corners, 1, 2, 3));
+  }
+  return after >= std::min(before, kGoodAngle);
+}
+
+void SlideVertices(const TriangleBvh& surface, TriangleMesh* mesh) {
+  const absl::StatusOr<Topology> topology =
+      Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
+  if (!topology.ok()) return;
+  const Points3d normals = VertexNormals(*mesh);
+  const Points3d V = mesh->vertices;
+  for (int32_t v = 0; v < topology->vertex_count(); ++v) {
+    if (topology->IsBoundaryVertex(v)) continue;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    double ring_length = 0;
+    for (const int32_t n : topology->Ring(v)) {
+      middle += V.col(n);
+      ring_length = std::max(ring_length, (V.col(n) - V.col(v)).norm());
+    }
+    middle /= topology->Valence(v);
+    Eigen::Vector3d move = kStep * (middle - V.col(v));
+    move -= normals.col(v).dot(move) * normals.col(v);
+    const ClosestPoint on_surface = surface.Closest(V.col(v) + move, ring_length);
+    if (on_surface.triangle < 0) continue;
+    if (KeepsRing(mesh->vertices, topology->Ring(v), v, on_surface.point)) {
+      mesh->vertices.col(v) = on_surface.point;
+    }
+  }
+}
+
+}  // namespace
+
+void RelaxMesh(const TriangleBvh& surface, int rounds, TriangleMesh* mesh) {
+  for (int round = 0; round < rounds; ++round) {
+    while (FlipEdges(mesh) > mesh->triangles.cols() / 200) {
+    }
+    SlideVertices(surface, mesh);
+  }
+}
+
+}  // namespace cagefit

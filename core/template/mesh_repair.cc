@@ -1,0 +1,159 @@
+#include "core/template/mesh_repair.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+namespace cagefit {
+
+namespace {
+
+uint64_t DirectedEdge(int32_t from, int32_t to) {
+  return static_cast<uint64_t>(static_cast<uint32_t>(from)) << 32 | static_cast<uint32_t>(to);
+}
+
+double Area(const Points3d& V, const Eigen::Vector3i& t) {
+  return 0.5 * (V.col(t[1]) - V.col(t[0])).cross(V.col(t[2]) - V.col(t[0])).norm();
+}
+
+// Index of the first vertex at the same position, for every vertex.
+std::vector<int32_t> FirstAtPosition(const Points3d& V) {
+  std::vector<int32_t> order(V.cols()), first(V.cols());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](int32_t v) { return std::make_tuple(V(0, v), V(1, v), V(2, v)); };
+  std::sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
+    return std::make_pair(key(a), a) < std::make_pair(key(b), b);
+  });
+  for (size_t k = 0; k < order.size(); ++k) {
+    const bool same = k > 0 && key(order[k]) == key(order[k - 1]);
+    first[order[k]] = same ? first[order[k - 1]] : order[k];
+  }
+  return first;
+}
+
+class UnionFind {
+ public:
+  explicit UnionFind(int64_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int32_t Find(int32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void Join(int32_t a, int32_t b) { parent_[Find(b)] = Find(a); }
+
+ private:
+  std::vector<int32_t> parent_;
+};
+
+// Triangles (of merged vertices) that form an edge-manifold, consistently oriented mesh.
+std::vector<Eigen::Vector3i> EdgeManifoldTriangles(
+    const TriangleMesh& mesh, std::unordered_map<uint64_t, int32_t>* half_edges) {
+  const std::vector<int32_t> first = FirstAtPosition(mesh.vertices);
+  std::vector<Eigen::Vector3i> triangles;
+  half_edges->reserve(3 * mesh.triangles.cols());
+  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+    const Eigen::Vector3i t(first[mesh.triangles(0, f)], first[mesh.triangles(1, f)],
+                            first[mesh.triangles(2, f)]);
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    if (!(Area(mesh.vertices, t) > 0)) continue;
+    bool free = true;
+    for (int c = 0; c < 3; ++c)
+      free = free && half_edges->count(DirectedEdge(t[c], t[(c + 1) % 3])) == 0;
+    if (!free) continue;
+    for (int c = 0; c < 3; ++c) {
+      (*half_edges)[DirectedEdge(t[c], t[(c + 1) % 3])] =
+          static_cast<int32_t>(3 * triangles.size()) + c;
+    }
+    triangles.push_back(t);
+  }
+  return triangles;
+}
+
+}  // namespace
+
+TriangleMesh MakeManifold(const TriangleMesh& mesh, RepairReport* report) {
+  std::unordered_map<uint64_t, int32_t> half_edges;
+  const std::vector<Eigen::Vector3i> triangles = EdgeManifoldTriangles(mesh, &half_edges);
+  report->dropped_triangles += mesh.triangles.cols() - static_cast<int64_t>(triangles.size());
+  // Corners of one vertex belong together when an edge at that vertex joins their triangles.
+  UnionFind corners(3 * static_cast<int64_t>(triangles.size()));
+  for (const auto& [edge, h] : half_edges) {
+    const auto other = half_edges.find(edge << 32 | edge >> 32);
+    if (other == half_edges.end()) continue;
+    const int32_t g = other->second;
+    corners.Join(h, g - g % 3 + (g + 1) % 3);
+    corners.Join(h - h % 3 + (h + 1) % 3, g);
+  }
+  TriangleMesh out;
+  out.vertices.resize(3, 3 * static_cast<int64_t>(triangles.size()));
+  out.triangles.resize(3, static_cast<int64_t>(triangles.size()));
+  std::vector<int32_t> vertex_of_corner(3 * triangles.size(), -1);
+  std::vector<char> seen(mesh.vertices.cols(), 0);
+  int32_t count = 0;
+  for (int32_t corner = 0; corner < static_cast<int32_t>(3 * triangles.size()); ++corner) {
+    int32_t& vertex = vertex_of_corner[corners.Find(corner)];
+    const int32_t source = triangles[corner / 3][corner % 3];
+    if (vertex < 0) {
+      vertex = count++;
+      out.vertices.col(vertex) = mesh.vertices.col(source);
+      report->split_vertices += seen[source];
+      seen[source] = 1;
+    }
+    out.triangles(corner % 3, corner / 3) = vertex;
+  }
+  out.vertices.conservativeResize(3, count);
+  return out;
+}
+
+TriangleMesh SelectTriangles(const TriangleMesh& mesh, const std::vector<char>& keep) {
+  std::vector<int32_t> index(mesh.vertices.cols(), -1);
+  TriangleMesh out;
+  out.vertices.resize(3, mesh.vertices.cols());
+  out.triangles.resize(3, mesh.triangles.cols());
+  int32_t vertices = 0;
+  int64_t triangles = 0;
+  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+    if (!keep[f]) continue;
+    for (int c = 0; c < 3; ++c) {
+      const int32_t v = mesh.triangles(c, f);
+      if (index[v] < 0) {
+        index[v] = vertices;
+        out.vertices.col(vertices++) = mesh.vertices.col(v);
+      }
+      out.triangles(c, triangles) = index[v];
+    }
+    ++triangles;
+  }
+  out.vertices.conservativeResize(3, vertices);
+  out.triangles.conservativeResize(3, triangles);
+  return out;
+}
+
+TriangleMesh KeepLargeComponents(const TriangleMesh& mesh, double share, int* kept, int* dropped) {
+  UnionFind parts(mesh.vertices.cols());
+  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+    parts.Join(mesh.triangles(0, f), mesh.triangles(1, f));
+    parts.Join(mesh.triangles(0, f), mesh.triangles(2, f));
+  }
+  std::unordered_map<int32_t, double> area;
+  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+    area[parts.Find(mesh.triangles(0, f))] += Area(mesh.vertices, mesh.triangles.col(f));
+  }
+  double largest = 0;
+  for (const auto& [part, a] : area) largest = std::max(largest, a);
+  *kept = static_cast<int>(std::count_if(
+      area.begin(), area.end(), [&](const auto& part) { return part.second >= share * largest; }));
+  *dropped = static_cast<int>(area.size()) - *kept;
+  if (*dropped == 0) return mesh;
+  std::vector<char> keep(mesh.triangles.cols());
+  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+    keep[f] = area[parts.Find(mesh.triangles(0, f))] >= share * largest;
+  }
+  return SelectTriangles(mesh, keep);
+}
+
+}  // namespace cagefit

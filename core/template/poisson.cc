@@ -1,0 +1,225 @@
+#include "core/template/poisson.h"
+
+#include <open3d/geometry/PointCloud.h>
+#include <open3d/geometry/TriangleMesh.h>
+#include <open3d/utility/Logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "core/cloud/kd_tree.h"
+#include "core/mesh/topology.h"
+#include "core/template/mesh_repair.h"
+
+namespace cagefit {
+
+namespace {
+
+constexpr int kOutlierNeighbors = 20;
+constexpr double kOutlierDeviations = 3;  // of the mean neighbour distance
+constexpr int kLeastDepth = 5, kMostDepth = 10;
+constexpr int kBoundaryRounds = 3;
+
+PointCloud WithoutOutliers(const PointCloud& cloud) {
+  const KdTree tree(cloud.points);
+  std::vector<double> mean_distance(cloud.size());
+  const int k = static_cast<int>(std::min<int64_t>(kOutlierNeighbors, cloud.size()));
+  std::vector<int32_t> index(k);
+  std::vector<float> squared(k);
+  double sum = 0, squares = 0;
+  for (int64_t i = 0; i < cloud.size(); ++i) {
+    tree.Nearest(cloud.points.col(i), k, index.data(), squared.data());
+    double d = 0;
+    for (const float s : squared) d += std::sqrt(static_cast<double>(s));
+    mean_distance[i] = d / k;
+    sum += mean_distance[i];
+    squares += mean_distance[i] * mean_distance[i];
+  }
+  const double mean = sum / static_cast<double>(cloud.size());
+  const double deviation =
+      std::sqrt(std::max(0.0, squares / static_cast<double>(cloud.size()) - mean * mean));
+  PointCloud kept;
+  kept.points.resize(3, cloud.size());
+  kept.normals.resize(3, cloud.size());
+  int64_t count = 0;
+  for (int64_t i = 0; i < cloud.size(); ++i) {
+    if (mean_distance[i] > mean + kOutlierDeviations * deviation) continue;
+    kept.points.col(count) = cloud.points.col(i);
+    kept.normals.col(count++) = cloud.normals.col(i);
+  }
+  kept.points.conservativeResize(3, count);
+  kept.normals.conservativeResize(3, count);
+  return kept;
+}
+
+// Median distance to the 6th neighbour.
+double Spacing(const PointCloud& cloud, const KdTree& tree) {
+  constexpr int kNeighbor = 7;  // itself included
+  std::vector<float> distances;
+  const int64_t stride = std::max<int64_t>(1, cloud.size() / 2000);
+  for (int64_t i = 0; i < cloud.size(); i += stride) {
+    int32_t index[kNeighbor];
+    float squared[kNeighbor];
+    const int found = tree.Nearest(cloud.points.col(i), kNeighbor, index, squared);
+    distances.push_back(std::sqrt(squared[found - 1]));
+  }
+  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
+  return distances[distances.size() / 2];
+}
+
+absl::StatusOr<TriangleMesh> RunPoisson(const PointCloud& cloud, int depth) try {
+  open3d::utility::VerbosityContextManager quiet(open3d::utility::VerbosityLevel::Error);
+  quiet.Enter();
+  open3d::geometry::PointCloud points;
+  points.points_.resize(cloud.size());
+  points.normals_.resize(cloud.size());
+  for (int64_t i = 0; i < cloud.size(); ++i) {
+    points.points_[i] = cloud.points.col(i).cast<double>();
+    points.normals_[i] = cloud.normals.col(i).cast<double>().normalized();
+  }
+  const auto [mesh, densities] =
+      open3d::geometry::TriangleMesh::CreateFromPointCloudPoisson(points, depth, 0, 1.1f, false, 1);
+  quiet.Exit();
+  TriangleMesh out;
+  out.vertices.resize(3, static_cast<int64_t>(mesh->vertices_.size()));
+  for (size_t v = 0; v < mesh->vertices_.size(); ++v) {
+    out.vertices.col(static_cast<int64_t>(v)) = mesh->vertices_[v];
+  }
+  out.triangles.resize(3, static_cast<int64_t>(mesh->triangles_.size()));
+  for (size_t f = 0; f < mesh->triangles_.size(); ++f) {
+    out.triangles.col(static_cast<int64_t>(f)) = mesh->triangles_[f];
+  }
+  if (out.triangles.cols() == 0) {
+    return absl::FailedPreconditionError("template: screened Poisson gave no triangles");
+  }
+  return out;
+} catch (const std::exception& error) {
+  return absl::FailedPreconditionError(
+      absl::StrFormat("template: screened Poisson failed: %s", error.what()));
+}
+
+TriangleMesh Trim(const TriangleMesh& mesh, const KdTree& tree, double reach) {
+  std::vector<char> near(mesh.vertices.cols());
+  for (int64_t v = 0; v < mesh.vertices.cols(); ++v) {
+    int32_t index = 0;
+    float squared = 0;
+    tree.Nearest(mesh.vertices.col(v).cast<float>(), 1, &index, &squared);
+    near[v] = squared <= reach * reach;
+  }
+  std::vector<char> keep(mesh.triangles.cols());
+  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+    keep[f] =
+        near[mesh.triangles(0, f)] && near[mesh.triangles(1, f)] && near[mesh.triangles(2, f)];
+  }
+  return SelectTriangles(mesh, keep);
+}
+
+// Triangles that hang on by one edge make a boundary ragged.
+TriangleMesh WithoutSpikes(TriangleMesh mesh) {
+  for (int round = 0; round < 3; ++round) {
+    const auto topology =
+        Topology::Create(static_cast<int32_t>(mesh.vertices.cols()), mesh.triangles);
+    if (!topology.ok()) return mesh;
+    std::vector<char> keep(mesh.triangles.cols(), 1);
+    int64_t spikes = 0;
+    for (int32_t f = 0; f < topology->triangle_count(); ++f) {
+      int open = 0;
+      for (int c = 0; c < 3; ++c) open += topology->opposite(3 * f + c) == Topology::kNone;
+      if (open >= 2) keep[f] = 0, ++spikes;
+    }
+    if (spikes == 0) return mesh;
+    RepairReport ignored;
+    mesh = MakeManifold(SelectTriangles(mesh, keep), &ignored);
+  }
+  return mesh;
+}
+
+// Closes loops shorter than `length` with a fan around their middle.
+TriangleMesh WithoutSmallHoles(const TriangleMesh& mesh, double length) {
+  const auto topology =
+      Topology::Create(static_cast<int32_t>(mesh.vertices.cols()), mesh.triangles);
+  if (!topology.ok()) return mesh;
+  std::vector<std::vector<int32_t>> small;
+  int64_t fans = 0;
+  for (std::vector<int32_t>& loop : topology->BoundaryLoops()) {
+    double perimeter = 0;
+    for (size_t k = 0; k < loop.size(); ++k) {
+      perimeter +=
+          (mesh.vertices.col(loop[k]) - mesh.vertices.col(loop[(k + 1) % loop.size()])).norm();
+    }
+    if (perimeter >= length) continue;
+    fans += static_cast<int64_t>(loop.size());
+    small.push_back(std::move(loop));
+  }
+  TriangleMesh out = mesh;
+  int64_t v = mesh.vertices.cols(), f = mesh.triangles.cols();
+  out.vertices.conservativeResize(3, v + static_cast<int64_t>(small.size()));
+  out.triangles.conservativeResize(3, f + fans);
+  for (const std::vector<int32_t>& loop : small) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const int32_t i : loop) middle += mesh.vertices.col(i);
+    out.vertices.col(v) = middle / static_cast<double>(loop.size());
+    for (size_t k = 0; k < loop.size(); ++k) {
+      out.triangles.col(f++) << loop[(k + 1) % loop.size()], loop[k], static_cast<int32_t>(v);
+    }
+    ++v;
+  }
+  return out;
+}
+
+// Trimming cuts along whole triangles; a few rounds of the curve's own mask take the steps out.
+void SmoothBoundary(TriangleMesh* mesh) {
+  const auto topology =
+      Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
+  if (!topology.ok()) return;
+  const std::vector<std::vector<int32_t>> loops = topology->BoundaryLoops();
+  for (int round = 0; round < kBoundaryRounds; ++round) {
+    const Points3d V = mesh->vertices;
+    for (const std::vector<int32_t>& loop : loops) {
+      const size_t n = loop.size();
+      for (size_t k = 0; k < n; ++k) {
+        mesh->vertices.col(loop[k]) =
+            0.5 * V.col(loop[k]) + 0.25 * (V.col(loop[(k + 1) % n]) + V.col(loop[(k + n - 1) % n]));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<TriangleMesh> ReconstructPoisson(const PointCloud& cloud, int32_t control_vertices) {
+  if (!cloud.has_normals()) return absl::InvalidArgumentError("template: the cloud has no normals");
+  const PointCloud clean = WithoutOutliers(cloud);
+  const KdTree tree(clean.points);
+  const double spacing = Spacing(clean, tree);
+  const double longest = BoundingBox(clean.points).size().maxCoeff();
+  if (!(spacing > 0) || !(longest > 0)) {
+    return absl::FailedPreconditionError("template: most points of the cloud coincide");
+  }
+  // Half as wide as the points are apart, so that folds keep their two sides; and no finer than
+  // some twelve cells per control edge.
+  const double by_points = std::log2(2 * longest / spacing);
+  const double by_vertices = std::log2(12 * std::sqrt(static_cast<double>(control_vertices)));
+  const int depth = std::clamp(static_cast<int>(std::lround(std::min(by_points, by_vertices))),
+                               kLeastDepth, kMostDepth);
+  absl::StatusOr<TriangleMesh> surface = RunPoisson(clean, depth);
+  if (!surface.ok()) return surface.status();
+
+  const double cell = 1.1 * longest / std::exp2(depth);
+  const double reach = 2 * std::max(spacing, cell);
+  RepairReport ignored;
+  TriangleMesh mesh = MakeManifold(Trim(*surface, tree, reach), &ignored);
+  if (mesh.triangles.cols() == 0) {
+    return absl::FailedPreconditionError("template: trimming left nothing of the Poisson surface");
+  }
+  mesh = WithoutSpikes(WithoutSmallHoles(mesh, 16 * reach));
+  mesh = MakeManifold(mesh, &ignored);
+  SmoothBoundary(&mesh);
+  return mesh;
+}
+
+}  // namespace cagefit

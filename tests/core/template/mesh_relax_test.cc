@@ -1,0 +1,62 @@
+#include "core/template/mesh_relax.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/mesh/topology.h"
+#include "core/template/quadric_collapse.h"
+#include "tests/support/shapes.h"
+
+namespace cagefit {
+namespace {
+
+double MeanSquaredValenceError(const TriangleMesh& mesh) {
+  const auto topology =
+      Topology::Create(static_cast<int32_t>(mesh.vertices.cols()), mesh.triangles);
+  EXPECT_TRUE(topology.ok()) << topology.status();
+  double sum = 0;
+  for (int32_t v = 0; v < topology->vertex_count(); ++v) {
+    sum += std::pow(topology->Valence(v) - 6, 2);
+  }
+  return sum / topology->vertex_count();
+}
+
+double LeastQuality(const TriangleMesh& mesh) {
+  double least = 1;
+  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+    const Eigen::Vector3d a = mesh.vertices.col(mesh.triangles(0, f)),
+                          b = mesh.vertices.col(mesh.triangles(1, f)),
+                          c = mesh.vertices.col(mesh.triangles(2, f));
+    const double sides = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+    least = std::min(least, 2 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / sides);
+  }
+  return least;
+}
+
+TEST(MeshRelaxTest, EvensValencesAndStaysOnTheSurface) {
+  const TriangleMesh fine = testing::Icosphere(5);
+  TriangleMesh mesh = CollapseEdges(fine, 500);
+  const double before = MeanSquaredValenceError(mesh), quality = LeastQuality(mesh);
+  RelaxMesh(TriangleBvh(fine.vertices, fine.triangles), 5, &mesh);
+  EXPECT_LT(MeanSquaredValenceError(mesh), 0.7 * before);
+  EXPECT_GT(LeastQuality(mesh), quality);
+  EXPECT_NEAR(mesh.vertices.colwise().norm().minCoeff(), 1, 2e-3);
+  EXPECT_NEAR(mesh.vertices.colwise().norm().maxCoeff(), 1, 2e-3);
+}
+
+TEST(MeshRelaxTest, LeavesTheBoundaryWhereItIs) {
+  TriangleMesh mesh = testing::OpenGrid(6);
+  for (int v = 0; v < mesh.vertices.cols(); ++v) {
+    const bool inner = v % 7 > 0 && v % 7 < 6 && v / 7 > 0 && v / 7 < 6;
+    if (inner) mesh.vertices(0, v) += 0.06 * std::sin(7.0 * v);
+  }
+  const TriangleMesh before = mesh, flat = testing::OpenGrid(1);
+  RelaxMesh(TriangleBvh(flat.vertices, flat.triangles), 5, &mesh);
+  for (int v = 0; v < 7; ++v) EXPECT_EQ(mesh.vertices.col(v), before.vertices.col(v));
+  EXPECT_GT(LeastQuality(mesh), LeastQuality(before));
+}
+
+}  // namespace
+}  // namespace cagefit
