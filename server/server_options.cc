@@ -12,6 +12,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
@@ -29,7 +30,7 @@ constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
 absl::Status CheckRange(const char* field, double value, double least, double most) {
   if (value >= least && value <= most) return absl::OkStatus();  // false for NaN
   return absl::InvalidArgumentError(
-      absl::StrCat("--", field, " is ", value, "; expected ", least, " to ", most));
+      absl::StrFormat("--%s is %.12g; expected %.12g to %.12g", field, value, least, most));
 }
 
 std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {

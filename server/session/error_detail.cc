@@ -33,7 +33,7 @@ std::optional<ErrorDetail> DetailOf(const absl::Status& status) {
                      Payload(status, kLimit)};
 }
 
-absl::Status LimitExceeded(const std::string& field, int64_t value, int64_t limit) {
+absl::Status LimitExceeded(const std::string& field, uint64_t value, int64_t limit) {
   return WithDetail(
       absl::ResourceExhaustedError(absl::StrCat(field, " is ", value, "; the limit is ", limit)),
       {"LIMIT_EXCEEDED", field, absl::StrCat(value), absl::StrCat(limit)});

@@ -24,7 +24,7 @@ absl::Status WithDetail(absl::Status status, const ErrorDetail& detail);
 std::optional<ErrorDetail> DetailOf(const absl::Status& status);
 
 // RESOURCE_EXHAUSTED, reason LIMIT_EXCEEDED: "`field` is `value`; the limit is `limit`".
-absl::Status LimitExceeded(const std::string& field, int64_t value, int64_t limit);
+absl::Status LimitExceeded(const std::string& field, uint64_t value, int64_t limit);
 
 // INVALID_ARGUMENT, reason INVALID_FIELD: "`field` is `value`; `expected`".
 absl::Status InvalidField(const std::string& field, const std::string& value,

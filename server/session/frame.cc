@@ -28,8 +28,7 @@ absl::StatusOr<PointCloud> DecodeTarget(absl::string_view bytes, const DecodeLim
 
 absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const Frame& frame) {
   if (frame.point_count > static_cast<uint64_t>(limits.max_points)) {
-    return LimitExceeded("header.point_count", static_cast<int64_t>(frame.point_count),
-                         limits.max_points);
+    return LimitExceeded("header.point_count", frame.point_count, limits.max_points);
   }
   int64_t held = 0;
   auto decoded = DecodeTarget(frame.bytes, limits, &held);

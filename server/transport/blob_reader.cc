@@ -36,7 +36,7 @@ void BlobReader::OnReadDone(bool ok) {
 absl::Status BlobReader::Append() {
   if (blob_.empty()) total_bytes_ = chunk_.total_bytes();
   if (total_bytes_ > static_cast<uint64_t>(kMaxBlobBytes)) {
-    return LimitExceeded("total_bytes", static_cast<int64_t>(total_bytes_), kMaxBlobBytes);
+    return LimitExceeded("total_bytes", total_bytes_, kMaxBlobBytes);
   }
   if (chunk_.total_bytes() != total_bytes_) {
     return InvalidField("total_bytes", absl::StrCat(chunk_.total_bytes()),

@@ -76,13 +76,14 @@ absl::Status FitFramesCall::Open(const std::string& session_id) {
 }
 
 absl::Status FitFramesCall::Submit(ReceivedFrame received) {
-  ++in_flight_;
   auto shared = std::make_shared<ReceivedFrame>(std::move(received));
-  return state_->scheduler->decodes.Run(
+  RETURN_IF_ERROR(state_->scheduler->decodes.Run(
       absl::StrCat(reinterpret_cast<uintptr_t>(this)),
       [self = shared_from_this(), shared, ready_ms = state_->clock()] {
         self->Decode(shared, ready_ms);
-      });
+      }));
+  ++in_flight_;
+  return absl::OkStatus();
 }
 
 void FitFramesCall::Decode(std::shared_ptr<ReceivedFrame> received, double ready_ms) {

@@ -45,8 +45,7 @@ absl::Status FrameAssembler::Begin(const v1::FrameHeader& header) {
                         "this server does not know that value");
   }
   if (header.total_bytes() > static_cast<uint64_t>(max_frame_bytes_)) {
-    return LimitExceeded("header.total_bytes", static_cast<int64_t>(header.total_bytes()),
-                         max_frame_bytes_);
+    return LimitExceeded("header.total_bytes", header.total_bytes(), max_frame_bytes_);
   }
   current_ = ReceivedFrame{Frame(), ByteReservation(budget_)};
   total_bytes_ = header.total_bytes();

@@ -1,5 +1,7 @@
 #include "server/transport/status_convert.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -12,7 +14,40 @@ namespace {
 constexpr size_t kMaxMessageBytes = 2000;
 constexpr size_t kMaxPartBytes = 200;
 
-std::string Cut(absl::string_view text, size_t most) { return std::string(text.substr(0, most)); }
+// Bytes of the UTF-8 character that `text` (not empty) begins with (RFC 3629); 0 when it is none.
+size_t CharacterBytes(absl::string_view text) {
+  const auto byte = [&text](size_t k) { return static_cast<uint8_t>(text[k]); };
+  const uint8_t first = byte(0);
+  if (first < 0x80) return 1;
+  if (first < 0xC2 || first > 0xF4) return 0;
+  const size_t bytes = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+  if (text.size() < bytes) return 0;
+  // No longer than needed, no surrogates, nothing beyond U+10FFFF.
+  const uint8_t least = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
+  const uint8_t most = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
+  if (byte(1) < least || byte(1) > most) return 0;
+  for (size_t k = 2; k < bytes; ++k) {
+    if ((byte(k) & 0xC0) != 0x80) return 0;
+  }
+  return bytes;
+}
+
+// At most `most` bytes, cut between characters, and UTF-8 whatever a child process wrote: protobuf
+// cannot read a message with another string in it.
+std::string Cut(absl::string_view text, size_t most) {
+  std::string cut;
+  while (!text.empty()) {
+    const size_t bytes = CharacterBytes(text);
+    if (cut.size() + std::max<size_t>(bytes, 1) > most) break;
+    if (bytes == 0) {
+      cut += '?';
+    } else {
+      cut.append(text.data(), bytes);
+    }
+    text.remove_prefix(std::max<size_t>(bytes, 1));
+  }
+  return cut;
+}
 
 v1::ErrorDetail ToProto(const ErrorDetail& detail) {
   v1::ErrorDetail message;

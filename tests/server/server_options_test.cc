@@ -1,0 +1,172 @@
+#include "server/server_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "server/session/private_folder.h"
+
+namespace cagefit::server {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class ServerOptionsTest : public ::testing::Test {
+ protected:
+  ~ServerOptionsTest() override {
+    for (const std::string& name : set_) unsetenv(name.c_str());
+  }
+
+  void SetVariable(const std::string& name, const std::string& value) {
+    setenv(name.c_str(), value.c_str(), 1);
+    set_.push_back(name);
+  }
+  std::string WriteFile(const std::string& text) {
+    const std::string path = folder_.path() + "/settings";
+    std::ofstream(path) << text;
+    return path;
+  }
+  ParsedServerOptions Parse(std::vector<std::string> arguments) {
+    std::vector<const char*> argv = {"cagefitd"};
+    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+    ::testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    ParsedServerOptions parsed = ParseServerOptions(static_cast<int>(argv.size()), argv.data());
+    errors_ = ::testing::internal::GetCapturedStderr();
+    output_ = ::testing::internal::GetCapturedStdout();
+    return parsed;
+  }
+  ServerOptions ParseGood(const std::vector<std::string>& arguments) {
+    const ParsedServerOptions parsed = Parse(arguments);
+    EXPECT_EQ(parsed.exit_code, std::nullopt) << errors_;
+    return parsed.options;
+  }
+  void ExpectRefused(const std::vector<std::string>& arguments, const std::string& a,
+                     const std::string& b = "") {
+    EXPECT_EQ(Parse(arguments).exit_code, 2);
+    EXPECT_THAT(errors_, AllOf(HasSubstr(a), HasSubstr(b)));
+    EXPECT_EQ(output_, "");
+  }
+
+  PrivateFolder folder_ = PrivateFolder::Create().value();
+  std::vector<std::string> set_;
+  std::string errors_, output_;
+};
+
+TEST_F(ServerOptionsTest, DefaultsAreValid) {
+  EXPECT_EQ(ServerOptions().Validate(), absl::OkStatus());
+  const ServerOptions options = ParseGood({});
+  EXPECT_EQ(options.listen, ServerOptions().listen);
+  EXPECT_EQ(options.max_points, ServerOptions().max_points);
+}
+
+TEST_F(ServerOptionsTest, EveryFlagArrives) {
+  const ServerOptions o =
+      ParseGood({"--listen=a:1", "--template-program=/p", "--template-memory-mib=65",
+                 "--template-seconds=1.5", "--max-frame-mib=2", "--max-points=17",
+                 "--max-control-vertices=5", "--max-sessions=3", "--max-frames=4",
+                 "--max-history-mib=6", "--max-streams=7", "--max-buffered-mib=8", "--threads=9",
+                 "--fits=10", "--drain-seconds=0.5", "--log-level=trace"});
+  EXPECT_THAT(o.listen, ElementsAre("a:1"));
+  EXPECT_EQ(o.template_program, "/p");
+  EXPECT_EQ(o.template_memory_mib, 65);
+  EXPECT_EQ(o.template_seconds, 1.5);
+  EXPECT_EQ(o.max_frame_mib, 2);
+  EXPECT_EQ(o.max_points, 17);
+  EXPECT_EQ(o.max_control_vertices, 5);
+  EXPECT_EQ(o.max_sessions, 3);
+  EXPECT_EQ(o.max_frames, 4);
+  EXPECT_EQ(o.max_history_mib, 6);
+  EXPECT_EQ(o.max_streams, 7);
+  EXPECT_EQ(o.max_buffered_mib, 8);
+  EXPECT_EQ(o.threads, 9);
+  EXPECT_EQ(o.fits, 10);
+  EXPECT_EQ(o.drain_seconds, 0.5);
+  EXPECT_EQ(o.log_level, "trace");
+}
+
+TEST_F(ServerOptionsTest, FlagsCountMoreThanVariablesAndTheseMoreThanTheFile) {
+  const std::string file = WriteFile("max-points=100\nmax-sessions=100\nmax-frames=100\n");
+  SetVariable("CAGEFITD_MAX_POINTS", "200");
+  SetVariable("CAGEFITD_MAX_SESSIONS", "200");
+  const ServerOptions options = ParseGood({"--config", file, "--max-points", "300"});
+  EXPECT_EQ(options.max_points, 300);
+  EXPECT_EQ(options.max_sessions, 200);
+  EXPECT_EQ(options.max_frames, 100);
+  EXPECT_EQ(options.max_streams, ServerOptions().max_streams);
+}
+
+TEST_F(ServerOptionsTest, AVariableMayNameTheFile) {
+  SetVariable("CAGEFITD_CONFIG", WriteFile("max-points=100\n"));
+  EXPECT_EQ(ParseGood({}).max_points, 100);
+}
+
+TEST_F(ServerOptionsTest, ListensOnSeveralAddresses) {
+  EXPECT_THAT(ParseGood({"--listen", "a:1", "--listen", "unix:/b"}).listen,
+              ElementsAre("a:1", "unix:/b"));
+  SetVariable("CAGEFITD_LISTEN", "c:2,d:3");
+  EXPECT_THAT(ParseGood({}).listen, ElementsAre("c:2", "d:3"));
+  EXPECT_THAT(ParseGood({"--listen=a:1"}).listen, ElementsAre("a:1"));
+}
+
+TEST_F(ServerOptionsTest, AVariableWithACommaIsOneValueWhereThereIsNoList) {
+  SetVariable("CAGEFITD_TEMPLATE_PROGRAM", "/a,b");
+  EXPECT_EQ(ParseGood({}).template_program, "/a,b");
+}
+
+TEST_F(ServerOptionsTest, AnUnknownVariableIsAnErrorWithASuggestion) {
+  SetVariable("CAGEFITD_MAX_POINT", "200");
+  ExpectRefused({}, "CAGEFITD_MAX_POINT", "did you mean CAGEFITD_MAX_POINTS?");
+}
+
+TEST_F(ServerOptionsTest, AnUnknownFlagIsAnError) { ExpectRefused({"--no-such"}, "--no-such"); }
+
+TEST_F(ServerOptionsTest, AnUnknownNameInTheFileIsAnError) {
+  ExpectRefused({"--config", WriteFile("no-such=1\n")}, "no-such");
+}
+
+TEST_F(ServerOptionsTest, AMissingFileIsAnError) {
+  ExpectRefused({"--config", folder_.path() + "/none"}, "none");
+}
+
+TEST_F(ServerOptionsTest, ABadValueNamesFieldValueAndRange) {
+  ExpectRefused({"--max-points=15"}, "--max-points is 15", "16 to 100000000");
+  ExpectRefused({"--max-points=100000001"}, "--max-points is 100000001", "16 to 100000000");
+  ExpectRefused({"--template-seconds=0.5"}, "--template-seconds is 0.5", "1 to 86400");
+  ExpectRefused({"--threads=-1"}, "--threads is -1", "0 to 1024");
+  ExpectRefused({"--log-level=loud"}, "--log-level is loud", "trace, debug");
+  ExpectRefused({"--max-points=many"}, "max-points", "many");
+}
+
+TEST_F(ServerOptionsTest, ABadVariableNamesItToo) {
+  SetVariable("CAGEFITD_MAX_POINTS", "15");
+  ExpectRefused({}, "max-points is 15");
+}
+
+TEST_F(ServerOptionsTest, NaNIsOutOfEveryRange) {
+  ServerOptions options;
+  options.drain_seconds = std::nan("");
+  EXPECT_TRUE(absl::IsInvalidArgument(options.Validate()));
+}
+
+TEST_F(ServerOptionsTest, NoAddressIsAnError) {
+  ServerOptions options;
+  options.listen.clear();
+  EXPECT_THAT(std::string(options.Validate().message()), HasSubstr("--listen"));
+}
+
+TEST_F(ServerOptionsTest, HelpAndVersionEndWithSuccessOnStandardOutput) {
+  EXPECT_EQ(Parse({"--help"}).exit_code, 0);
+  EXPECT_THAT(output_, AllOf(HasSubstr("--max-points"), HasSubstr("CAGEFITD_MAX_POINTS")));
+  EXPECT_EQ(Parse({"--version"}).exit_code, 0);
+  EXPECT_THAT(output_, HasSubstr("cagefitd "));
+  EXPECT_EQ(errors_, "");
+}
+
+}  // namespace
+}  // namespace cagefit::server

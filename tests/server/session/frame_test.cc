@@ -1,0 +1,105 @@
+#include "server/session/frame.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/session/error_detail.h"
+#include "tests/server/session/session_fixture.h"
+
+namespace cagefit::server {
+namespace {
+
+using cagefit::testing::FrameBytes;
+using cagefit::testing::FrameCage;
+using cagefit::testing::SphereCloud;
+using testing::DecodedFrame;
+using testing::ReasonOf;
+
+Frame StatedFrame(uint64_t point_count, const std::string& bytes,
+                  const DecodeLimits& limits = DecodeLimits()) {
+  Frame frame;
+  frame.point_count = point_count;
+  frame.bytes = bytes;
+  DecodeFrame(limits, testing::NoTime, &frame);
+  return frame;
+}
+
+TEST(FrameTest, DecodesAndHashesTheBytes) {
+  const std::string bytes = FrameBytes(SphereCloud(100, {0, 0, 0}));
+  const Frame frame = DecodedFrame(0, bytes);
+  ASSERT_TRUE(frame.cloud.ok()) << frame.cloud.status();
+  EXPECT_EQ(frame.cloud->size(), 100);
+  EXPECT_EQ(frame.digest, Sha256(bytes));
+}
+
+TEST(FrameTest, MeasuresByTheCallersClock) {
+  Frame frame;
+  frame.bytes = FrameBytes(SphereCloud(100, {0, 0, 0}));
+  double now = 10;
+  DecodeFrame(
+      DecodeLimits(), [&now] { return now += 5; }, &frame);
+  EXPECT_EQ(frame.decode_ms, 5);
+}
+
+TEST(FrameTest, EstimatesNormalsWhereThereAreNone) {
+  PointCloud cloud = SphereCloud(2000, {0, 0, 0});
+  cloud.normals.resize(3, 0);
+  const Frame frame = DecodedFrame(0, FrameBytes(cloud));
+  ASSERT_TRUE(frame.cloud.ok()) << frame.cloud.status();
+  ASSERT_EQ(frame.cloud->normals.cols(), frame.cloud->size());
+  for (Eigen::Index i = 0; i < frame.cloud->size(); ++i) {
+    EXPECT_GT(std::abs(frame.cloud->normals.col(i).dot(frame.cloud->points.col(i))), 0.95f);
+  }
+}
+
+TEST(FrameTest, BytesThatAreNotDracoAreABadFrame) {
+  for (const std::string& bytes : {std::string(), std::string("\x89PNG\r\n\x1a\n", 8)}) {
+    const Frame frame = DecodedFrame(0, bytes);
+    EXPECT_TRUE(absl::IsInvalidArgument(frame.cloud.status())) << frame.cloud.status();
+    EXPECT_EQ(ReasonOf(frame.cloud.status()), "BAD_FRAME");
+  }
+}
+
+TEST(FrameTest, FewerThan16PointsAreABadFrame) {
+  const Frame frame = DecodedFrame(0, FrameBytes(SphereCloud(15, {0, 0, 0})));
+  EXPECT_TRUE(absl::IsInvalidArgument(frame.cloud.status())) << frame.cloud.status();
+  EXPECT_EQ(ReasonOf(frame.cloud.status()), "BAD_FRAME");
+}
+
+TEST(FrameTest, TheStatedNumberOfPointsMustBeTrue) {
+  const std::string bytes = FrameBytes(SphereCloud(100, {0, 0, 0}));
+  EXPECT_TRUE(StatedFrame(0, bytes).cloud.ok());
+  EXPECT_TRUE(StatedFrame(100, bytes).cloud.ok());
+  for (const uint64_t wrong : {99u, 101u}) {
+    const Frame frame = StatedFrame(wrong, bytes);
+    EXPECT_TRUE(absl::IsInvalidArgument(frame.cloud.status())) << frame.cloud.status();
+    EXPECT_EQ(DetailOf(frame.cloud.status())->field, "header.point_count");
+  }
+}
+
+TEST(FrameTest, AMeshGivesItsVertices) {
+  const ControlMesh cage = FrameCage();
+  const auto bytes = EncodeDracoMesh({cage.vertices(), cage.triangles()}, DracoMeshOptions());
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  const Frame frame = StatedFrame(42, *bytes);
+  ASSERT_TRUE(frame.cloud.ok()) << frame.cloud.status();
+  EXPECT_EQ(frame.cloud->size(), 42);
+  EXPECT_TRUE(frame.cloud->has_normals());
+}
+
+TEST(FrameTest, PointsAboveTheLimitAreExhaustion) {
+  DecodeLimits limits;
+  limits.max_points = 99;
+  const std::string bytes = FrameBytes(SphereCloud(100, {0, 0, 0}));
+  for (const uint64_t stated : {uint64_t{0}, uint64_t{100}, ~uint64_t{0}}) {
+    const Frame frame = StatedFrame(stated, bytes, limits);
+    EXPECT_TRUE(absl::IsResourceExhausted(frame.cloud.status())) << frame.cloud.status();
+    EXPECT_EQ(ReasonOf(frame.cloud.status()), "LIMIT_EXCEEDED");
+    EXPECT_THAT(std::string(frame.cloud.status().message()), ::testing::HasSubstr("99"));
+    EXPECT_THAT(std::string(frame.cloud.status().message()),
+                ::testing::Not(::testing::HasSubstr("-")));
+  }
+}
+
+}  // namespace
+}  // namespace cagefit::server

@@ -1,0 +1,84 @@
+#include "server/session/session_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/session/error_detail.h"
+#include "tests/server/session/session_fixture.h"
+
+namespace cagefit::server {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+void ExpectRefused(const SessionConfig& config, const std::string& field,
+                   const std::string& value) {
+  const absl::Status status = config.Validate();
+  EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  EXPECT_THAT(std::string(status.message()), AllOf(HasSubstr(field), HasSubstr(value)));
+  const auto detail = DetailOf(status);
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_EQ(detail->reason, "INVALID_FIELD");
+}
+
+TEST(SessionConfigTest, DefaultsAreValidWithAMeshOrAWishForOne) {
+  EXPECT_EQ(testing::CageConfig().Validate(), absl::OkStatus());
+  SessionConfig wish;
+  wish.template_vertices = 4;
+  EXPECT_EQ(wish.Validate(), absl::OkStatus());
+}
+
+TEST(SessionConfigTest, TakesTheEndsOfEveryRange) {
+  SessionConfig config = testing::CageConfig();
+  config.name.assign(200, 'x');
+  for (const double quantum : {0.0, 1e-9, 1e-2}) {
+    config.quantum = quantum;
+    EXPECT_EQ(config.Validate(), absl::OkStatus()) << quantum;
+  }
+  for (const uint32_t interval : {1u, 100'000u}) {
+    config.key_interval = interval;
+    EXPECT_EQ(config.Validate(), absl::OkStatus()) << interval;
+  }
+}
+
+TEST(SessionConfigTest, RefusesAQuantumOutOfRange) {
+  SessionConfig config = testing::CageConfig();
+  for (const double quantum : {-1e-5, 0.9e-9, 1.1e-2, std::nan(""), HUGE_VAL}) {
+    config.quantum = quantum;
+    ExpectRefused(config, "options.quantum", "1e-9 to 1e-2");
+  }
+}
+
+TEST(SessionConfigTest, RefusesAKeyIntervalOutOfRange) {
+  SessionConfig config = testing::CageConfig();
+  config.key_interval = 0;
+  ExpectRefused(config, "options.key_interval", "0");
+  config.key_interval = 100'001;
+  ExpectRefused(config, "options.key_interval", "100001");
+}
+
+TEST(SessionConfigTest, RefusesALongName) {
+  SessionConfig config = testing::CageConfig();
+  config.name.assign(201, 'x');
+  ExpectRefused(config, "name", "201");
+}
+
+TEST(SessionConfigTest, RefusesTooFewVerticesOfATemplate) {
+  SessionConfig config;
+  for (const int32_t vertices : {-1, 0, 3}) {
+    config.template_vertices = vertices;
+    ExpectRefused(config, "make_template.vertices", std::to_string(vertices));
+  }
+}
+
+TEST(SessionConfigTest, RefusesBadFitOptionsNamingThem) {
+  SessionConfig config = testing::CageConfig();
+  config.fit.solver.max_iterations = 10'001;
+  ExpectRefused(config, "max_iterations", "10001");
+}
+
+}  // namespace
+}  // namespace cagefit::server

@@ -1,0 +1,90 @@
+// Sessions without a network, for tests.
+#ifndef CAGEFIT_TESTS_SERVER_SESSION_SESSION_FIXTURE_H_
+#define CAGEFIT_TESTS_SERVER_SESSION_SESSION_FIXTURE_H_
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "server/session/error_detail.h"
+#include "server/session/frame.h"
+#include "server/session/session.h"
+#include "tests/support/frames.h"
+
+namespace cagefit::server::testing {
+
+inline double NoTime() { return 0; }
+
+// Reason of the detail, or "" without one.
+inline std::string ReasonOf(const absl::Status& status) {
+  const auto detail = DetailOf(status);
+  return detail.has_value() ? detail->reason : "";
+}
+
+// Gives what the test put in.
+class FakeTemplates : public TemplateMaker {
+ public:
+  absl::Status CheckAvailable() const override { return available; }
+  absl::StatusOr<ControlMesh> Make(absl::string_view, int32_t vertices, const CancelFn&) override {
+    ++made;
+    asked_vertices = vertices;
+    return result;
+  }
+
+  absl::Status available;
+  absl::StatusOr<ControlMesh> result = absl::UnimplementedError("no template was put in");
+  int made = 0;
+  int32_t asked_vertices = 0;
+};
+
+inline SessionConfig CageConfig() {
+  SessionConfig config;
+  config.name = "a test";
+  config.control_mesh = cagefit::testing::FrameCage();
+  return config;
+}
+
+inline Frame DecodedFrame(uint64_t number, std::string bytes,
+                          const DecodeLimits& limits = DecodeLimits()) {
+  Frame frame;
+  frame.sequence_number = number;
+  frame.bytes = std::move(bytes);
+  DecodeFrame(limits, NoTime, &frame);
+  return frame;
+}
+
+// Frame `number` of the moving sequence.
+inline Frame MovingFrame(uint64_t number) {
+  return DecodedFrame(number, cagefit::testing::FrameBytes(
+                                  cagefit::testing::MovingCloud(static_cast<int>(number))));
+}
+
+// A session with an open stream.
+struct OpenSession {
+  explicit OpenSession(SessionConfig config, const SessionLimits& limits = SessionLimits())
+      : ledger(std::make_shared<SessionLedger>("test-session", std::move(config), limits,
+                                               absl::UnixEpoch())),
+        session(ledger, &templates, NoTime) {
+    Reopen();
+  }
+
+  void Reopen() {
+    epoch = ledger->OpenStream([](const absl::Status&) {})->epoch;
+  }
+  absl::StatusOr<FrameAnswer> Answer(Frame frame, const CancelFn& cancelled = nullptr) {
+    return session.Answer(std::move(frame), epoch, cancelled);
+  }
+  // The control vertices after a fitted frame.
+  Points3d Vertices(uint64_t number) const { return ledger->MeshOfFrame(number)->vertices(); }
+
+  FakeTemplates templates;
+  std::shared_ptr<SessionLedger> ledger;
+  Session session;
+  uint64_t epoch = 0;
+};
+
+}  // namespace cagefit::server::testing
+
+#endif  // CAGEFIT_TESTS_SERVER_SESSION_SESSION_FIXTURE_H_

@@ -1,0 +1,153 @@
+#include "server/session/session_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <set>
+
+#include "tests/server/session/session_fixture.h"
+
+namespace cagefit::server {
+namespace {
+
+using testing::CageConfig;
+using ::testing::HasSubstr;
+using testing::ReasonOf;
+
+class SessionStoreTest : public ::testing::Test {
+ protected:
+  SessionStore MakeStore(const SessionStore::Limits& limits = {}) {
+    return SessionStore(limits, &templates_, testing::NoTime);
+  }
+  testing::FakeTemplates templates_;
+};
+
+TEST_F(SessionStoreTest, FindsWhatItCreated) {
+  SessionStore store = MakeStore();
+  const auto created = store.Create(CageConfig(), absl::FromUnixSeconds(5));
+  ASSERT_TRUE(created.ok()) << created.status();
+  const auto found = store.Find((*created)->id());
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(*found, *created);
+  EXPECT_EQ((*found)->config().name, "a test");
+  EXPECT_EQ((*found)->created(), absl::FromUnixSeconds(5));
+}
+
+TEST_F(SessionStoreTest, AnUnknownSessionIsNotFoundAndNamed) {
+  SessionStore store = MakeStore();
+  for (const absl::Status& status :
+       {store.Find("nobody").status(), store.Delete("nobody"), store.Lease("nobody").status()}) {
+    EXPECT_TRUE(absl::IsNotFound(status)) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("nobody"));
+    EXPECT_EQ(ReasonOf(status), "NO_SESSION");
+  }
+}
+
+TEST_F(SessionStoreTest, ListsPagesInOrderOfId) {
+  SessionStore store = MakeStore();
+  std::set<std::string> ids;
+  for (int k = 0; k < 7; ++k) ids.insert((*store.Create(CageConfig(), absl::UnixEpoch()))->id());
+  std::vector<std::string> listed;
+  std::string after;
+  for (const size_t expected : {3u, 3u, 1u, 0u}) {
+    const auto page = store.List(after, 3);
+    ASSERT_EQ(page.size(), expected);
+    for (const auto& ledger : page) listed.push_back(ledger->id());
+    after = listed.back();
+  }
+  EXPECT_EQ(listed, std::vector<std::string>(ids.begin(), ids.end()));
+}
+
+TEST_F(SessionStoreTest, ALeaseExcludesAnotherUntilItEnds) {
+  SessionStore store = MakeStore();
+  const std::string id = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  {
+    const auto lease = store.Lease(id);
+    ASSERT_TRUE(lease.ok()) << lease.status();
+    EXPECT_EQ((*lease)->ledger()->id(), id);
+    EXPECT_TRUE(absl::IsUnavailable(store.Lease(id).status()));
+  }
+  EXPECT_TRUE(store.Lease(id).ok());
+}
+
+TEST_F(SessionStoreTest, AMovedLeaseEndsOnce) {
+  SessionStore store = MakeStore();
+  const std::string id = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  std::optional<SessionLease> lease(store.Lease(id).value());
+  std::optional<SessionLease> moved(*std::move(lease));
+  lease.reset();
+  EXPECT_TRUE(absl::IsUnavailable(store.Lease(id).status()));
+  moved.reset();
+  EXPECT_TRUE(store.Lease(id).ok());
+}
+
+TEST_F(SessionStoreTest, LeasesOfDifferentSessionsAreIndependent) {
+  SessionStore store = MakeStore();
+  const auto a = store.Lease((*store.Create(CageConfig(), absl::UnixEpoch()))->id());
+  const auto b = store.Lease((*store.Create(CageConfig(), absl::UnixEpoch()))->id());
+  EXPECT_TRUE(a.ok());
+  EXPECT_TRUE(b.ok());
+}
+
+TEST_F(SessionStoreTest, DeletingEndsTheStreamButNotTheLease) {
+  SessionStore store = MakeStore();
+  const auto ledger = *store.Create(CageConfig(), absl::UnixEpoch());
+  absl::Status ended;
+  ASSERT_TRUE(ledger->OpenStream([&ended](const absl::Status& status) { ended = status; }).ok());
+  const auto lease = store.Lease(ledger->id());
+  ASSERT_TRUE(lease.ok()) << lease.status();
+
+  EXPECT_EQ(store.Delete(ledger->id()), absl::OkStatus());
+
+  EXPECT_EQ(ReasonOf(ended), "SESSION_DELETED");
+  EXPECT_TRUE(absl::IsNotFound(store.Find(ledger->id()).status()));
+  EXPECT_TRUE(absl::IsNotFound(store.Delete(ledger->id())));
+  EXPECT_TRUE(store.List("", 10).empty());
+  EXPECT_EQ((*lease)->ledger(), ledger);
+}
+
+TEST_F(SessionStoreTest, RefusesMoreSessionsThanItsLimit) {
+  SessionStore::Limits limits;
+  limits.max_sessions = 2;
+  SessionStore store = MakeStore(limits);
+  const std::string first = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  ASSERT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
+  const absl::Status refused = store.Create(CageConfig(), absl::UnixEpoch()).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
+  EXPECT_EQ(refused.message(), "sessions is 3; the limit is 2");
+  ASSERT_TRUE(store.Delete(first).ok());
+  EXPECT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
+}
+
+TEST_F(SessionStoreTest, RefusesMoreControlVerticesThanItsLimit) {
+  SessionStore::Limits limits;
+  limits.session.max_control_vertices = 41;
+  SessionStore store = MakeStore(limits);
+  SessionConfig wish;
+  wish.template_vertices = 42;
+  for (const SessionConfig& config : {CageConfig(), wish}) {
+    const absl::Status refused = store.Create(config, absl::UnixEpoch()).status();
+    EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
+    EXPECT_EQ(refused.message(), "control vertices is 42; the limit is 41");
+  }
+}
+
+TEST_F(SessionStoreTest, RefusesABadConfig) {
+  SessionStore store = MakeStore();
+  SessionConfig config = CageConfig();
+  config.quantum = 1;
+  EXPECT_TRUE(absl::IsInvalidArgument(store.Create(config, absl::UnixEpoch()).status()));
+}
+
+TEST_F(SessionStoreTest, RefusesATemplateWhereNoneCanBeMade) {
+  SessionStore store = MakeStore();
+  templates_.available = absl::FailedPreconditionError("install it");
+  SessionConfig wish;
+  wish.template_vertices = 42;
+  EXPECT_EQ(store.Create(wish, absl::UnixEpoch()).status(), templates_.available);
+  EXPECT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
+}
+
+}  // namespace
+}  // namespace cagefit::server

@@ -1,0 +1,194 @@
+#include "server/transport/session_convert.h"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include "server/session/error_detail.h"
+#include "tests/server/session/session_fixture.h"
+
+namespace cagefit::server {
+namespace {
+
+using cagefit::testing::FrameCage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+v1::CreateSessionRequest CageRequest() {
+  v1::CreateSessionRequest request;
+  *request.mutable_control_mesh() = ToProto(FrameCage());
+  return request;
+}
+
+void ExpectRefused(const v1::CreateSessionRequest& request, const std::string& field) {
+  const absl::Status status = FromProto(request, SessionLimits()).status();
+  EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr(field));
+}
+
+// All options away from their defaults.
+v1::SessionOptions UnusualOptions() {
+  v1::SessionOptions options;
+  v1::FitOptions* fit = options.mutable_fit();
+  fit->set_sampling(v1::SAMPLING_CONTROL_VERTICES);
+  fit->set_radius(0.25);
+  fit->set_radius_factor(3);
+  fit->set_far_radius(0.75);
+  fit->set_arap_weight(0.125);
+  fit->set_rest_mesh(v1::REST_MESH_PREVIOUS_FRAME);
+  fit->set_solver(v1::SOLVER_CERES);
+  fit->set_max_iterations(17);
+  fit->set_relative_decrease(0.5);
+  fit->set_first_stiffness(2);
+  options.set_quantum(1e-3);
+  options.set_delta_encoding(v1::DELTA_ENCODING_DRACO);
+  options.set_key_interval(5);
+  return options;
+}
+
+TEST(SessionConvertTest, EveryOptionArrivesAndComesBack) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.set_name("a name");
+  *request.mutable_options() = UnusualOptions();
+  const auto config = FromProto(request, SessionLimits());
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->Validate(), absl::OkStatus());
+  EXPECT_EQ(config->fit.solver.max_iterations, 17);
+  EXPECT_EQ(config->fit.arap.weight, 0.125);
+
+  const SessionLedger ledger("an-id", *config, SessionLimits(), absl::FromUnixSeconds(5));
+  const v1::Session session = ToProto(ledger);
+  EXPECT_TRUE(
+      google::protobuf::util::MessageDifferencer::Equals(session.options(), request.options()))
+      << session.options().DebugString();
+  EXPECT_EQ(session.session_id(), "an-id");
+  EXPECT_EQ(session.name(), "a name");
+  EXPECT_EQ(session.created().seconds(), 5);
+  EXPECT_EQ(session.control_vertices(), 42u);
+  EXPECT_EQ(session.triangles(), 80u);
+}
+
+TEST(SessionConvertTest, WhatIsNotSetTakesTheDefault) {
+  const auto config = FromProto(CageRequest(), SessionLimits());
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->quantum, SessionConfig().quantum);
+  EXPECT_EQ(config->key_interval, SessionConfig().key_interval);
+  EXPECT_EQ(config->delta_encoding, DeltaEncoding::kPacked);
+  EXPECT_EQ(config->fit.solver.max_iterations, SolverOptions().max_iterations);
+  EXPECT_EQ(config->fit.solver.solver, Solver::kGaussNewton);
+  EXPECT_EQ(config->fit.arap.weight, std::nullopt);
+}
+
+TEST(SessionConvertTest, ZeroIsAValueWhereItIsSet) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_options()->set_quantum(0);
+  request.mutable_options()->set_key_interval(0);
+  request.mutable_options()->mutable_fit()->set_max_iterations(0);
+  const auto config = FromProto(request, SessionLimits());
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->quantum, 0);
+  EXPECT_EQ(config->key_interval, 0u);
+  EXPECT_EQ(config->fit.solver.max_iterations, 0);
+}
+
+TEST(SessionConvertTest, ValuesBeyondInt32StayOutOfRange) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_options()->mutable_fit()->set_max_iterations(4'000'000'000u);
+  EXPECT_FALSE(FromProto(request, SessionLimits())->Validate().ok());
+  request = v1::CreateSessionRequest();
+  request.mutable_make_template()->set_vertices(4'000'000'000u);
+  EXPECT_EQ(FromProto(request, SessionLimits())->template_vertices, 2147483647);
+}
+
+TEST(SessionConvertTest, TheSessionTellsItsFacts) {
+  testing::OpenSession open(testing::CageConfig());
+  ASSERT_TRUE(open.Answer(testing::MovingFrame(0)).ok());
+  ASSERT_TRUE(open.Answer(testing::DecodedFrame(1, "no Draco")).ok());
+  const v1::Session session = ToProto(*open.ledger);
+  EXPECT_EQ(session.epoch(), 1u);
+  EXPECT_EQ(session.next_sequence_number(), 2u);
+  EXPECT_EQ(session.fitted_frames(), 1u);
+  EXPECT_EQ(session.rejected_frames(), 1u);
+  EXPECT_TRUE(session.stream_attached());
+}
+
+TEST(SessionConvertTest, MeshesKeepVerticesTrianglesAndTags) {
+  const ControlMesh cage = FrameCage();
+  const ControlMesh tagged =
+      ControlMesh::Create(cage.vertices(), cage.triangles(),
+                          {{{cage.triangles()(0, 0), cage.triangles()(1, 0)}}, {3, 4}})
+          .value();
+  v1::CreateSessionRequest request;
+  *request.mutable_control_mesh() = ToProto(tagged);
+  const auto config = FromProto(request, SessionLimits());
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->control_mesh->vertices(), tagged.vertices());
+  EXPECT_EQ(config->control_mesh->triangles(), tagged.triangles());
+  EXPECT_EQ(config->control_mesh->tags().edges, tagged.tags().edges);
+  EXPECT_THAT(config->control_mesh->tags().corners, ElementsAre(3, 4));
+
+  const v1::ControlMesh connectivity = ConnectivityToProto(tagged);
+  EXPECT_EQ(connectivity.vertices_size(), 0);
+  EXPECT_EQ(connectivity.triangles_size(), 240);
+  EXPECT_EQ(connectivity.crease_edges_size(), 2);
+  EXPECT_EQ(connectivity.corners_size(), 2);
+}
+
+TEST(SessionConvertTest, RefusesEnumValuesThatItDoesNotKnow) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_options()->mutable_fit()->set_sampling(static_cast<v1::Sampling>(99));
+  ExpectRefused(request, "options.fit.sampling is 99");
+  request = CageRequest();
+  request.mutable_options()->mutable_fit()->set_rest_mesh(static_cast<v1::RestMesh>(99));
+  ExpectRefused(request, "options.fit.rest_mesh is 99");
+  request = CageRequest();
+  request.mutable_options()->mutable_fit()->set_solver(static_cast<v1::Solver>(99));
+  ExpectRefused(request, "options.fit.solver is 99");
+  request = CageRequest();
+  request.mutable_options()->set_delta_encoding(static_cast<v1::DeltaEncoding>(99));
+  ExpectRefused(request, "options.delta_encoding is 99");
+}
+
+TEST(SessionConvertTest, RefusesARequestWithoutTemplate) {
+  ExpectRefused(v1::CreateSessionRequest(), "template");
+}
+
+TEST(SessionConvertTest, RefusesListsThatAreCutOff) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_control_mesh()->add_vertices(1);
+  ExpectRefused(request, "control_mesh.vertices");
+  request = CageRequest();
+  request.mutable_control_mesh()->add_triangles(1);
+  ExpectRefused(request, "control_mesh.triangles");
+  request = CageRequest();
+  request.mutable_control_mesh()->add_crease_edges(1);
+  ExpectRefused(request, "control_mesh.crease_edges");
+}
+
+TEST(SessionConvertTest, RefusesAMeshThatIsNotValid) {
+  for (const uint32_t index : {42u, 0x80000000u, 0xFFFFFFFFu}) {
+    v1::CreateSessionRequest request = CageRequest();
+    request.mutable_control_mesh()->set_triangles(0, index);
+    ExpectRefused(request, "");
+    request = CageRequest();
+    request.mutable_control_mesh()->add_corners(index);
+    ExpectRefused(request, "");
+  }
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_control_mesh()->set_vertices(0, std::nan(""));
+  const absl::Status status = FromProto(request, SessionLimits()).status();
+  EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  EXPECT_EQ(DetailOf(status)->reason, "INVALID_CONTROL_MESH");
+}
+
+TEST(SessionConvertTest, RefusesAMeshAboveTheLimit) {
+  SessionLimits limits;
+  limits.max_control_vertices = 41;
+  const absl::Status status = FromProto(CageRequest(), limits).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+  EXPECT_EQ(DetailOf(status)->value, "42");
+  EXPECT_EQ(DetailOf(status)->limit, "41");
+}
+
+}  // namespace
+}  // namespace cagefit::server
