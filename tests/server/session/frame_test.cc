@@ -77,14 +77,21 @@ TEST(FrameTest, TheStatedNumberOfPointsMustBeTrue) {
   }
 }
 
-TEST(FrameTest, AMeshGivesItsVertices) {
+TEST(FrameTest, AMeshGivesItsSurfaceAndIsStatedByItsVertices) {
   const ControlMesh cage = FrameCage();
   const auto bytes = EncodeDracoMesh({cage.vertices(), cage.triangles()}, DracoMeshOptions());
   ASSERT_TRUE(bytes.ok()) << bytes.status();
   const Frame frame = StatedFrame(42, *bytes);
   ASSERT_TRUE(frame.cloud.ok()) << frame.cloud.status();
-  EXPECT_EQ(frame.cloud->size(), 42);
+  EXPECT_GT(frame.cloud->size(), 10 * 42);
   EXPECT_TRUE(frame.cloud->has_normals());
+  // Between the cage's vertices, which are 1.1 from its centre, and the middles of its triangles.
+  const Eigen::RowVectorXf distances = frame.cloud->points.colwise().norm();
+  EXPECT_LT(distances.maxCoeff(), 1.1f + 1e-5f);
+  EXPECT_GT(distances.minCoeff(), 0.95f);
+
+  const Frame wrong = StatedFrame(43, *bytes);
+  EXPECT_TRUE(absl::IsInvalidArgument(wrong.cloud.status())) << wrong.cloud.status();
 }
 
 TEST(FrameTest, PointsAboveTheLimitAreExhaustion) {
