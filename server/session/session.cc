@@ -200,11 +200,13 @@ absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& 
     model_ = std::move(step.first_model);
     last_good_ = model_->template_mesh().vertices();
   }
+  // A LOST surface says nothing about the motion, neither as the last frame nor as the one before.
+  const bool was_lost = lost_;
   before_ = std::move(vertices_);
   vertices_ = std::move(step.vertices);
   q_ = std::move(step.q);
   lost_ = answer->verdict == Verdict::kLost;
-  if (lost_) before_.resize(3, 0);
+  if (lost_ || was_lost) before_.resize(3, 0);
   if (!lost_) last_good_ = vertices_;
   if (answer->verdict == Verdict::kOk) {
     const double rms = answer->distances.rms;
