@@ -34,7 +34,7 @@ void IndexBuild(benchmark::State& state) {
 }
 BENCHMARK(IndexBuild)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-// The first frame in unit coordinates, with the objective of a fit to it.
+// The second frame in unit coordinates, with the objective of a fit that starts from the first.
 struct Problem {
   explicit Problem(const Scene& scene)
       : normalization(*Normalization::FromBox(BoundingBox(scene.clouds[0].points))),
@@ -43,7 +43,7 @@ struct Problem {
                   BuildLimitMesh(scene.cage.topology(), scene.cage.tags(), 1).position,
                   kArapWeightPerVertex * scene.cage.vertex_count()),
         system(objective) {
-    cloud = scene.clouds[0];
+    cloud = scene.clouds.back();
     cloud.points =
         ((cloud.points.cast<double>().colwise() - normalization.center) * normalization.scale)
             .cast<float>();
