@@ -50,7 +50,7 @@ absl::Status FrameStream::Call::WaitForRoom() {
 }
 
 absl::Status FrameStream::Call::End() {
-  const absl::Status ended = FromGrpc(stream->Finish(), context);
+  absl::Status ended = FromGrpc(stream->Finish(), context);
   std::lock_guard<std::mutex> lock(mutex);
   status = ended;
   room.notify_all();

@@ -111,7 +111,7 @@ class FitJob {
     interrupt_->SetAction([this] { stream_->Cancel(); });
     const double start = Seconds();
     std::thread sender([this] { SendAll(); });
-    const absl::Status received = ReceiveAll();
+    absl::Status received = ReceiveAll();
     sender.join();
     interrupt_->SetAction(nullptr);
     report_.seconds = Seconds() - start;

@@ -37,16 +37,23 @@ struct PcdHeader {
   }
 };
 
+struct TypeName {
+  absl::string_view kind;
+  int64_t bytes;
+  ScalarType type;
+};
+constexpr TypeName kTypeNames[] = {{"I", 1, ScalarType::kInt8},    {"U", 1, ScalarType::kUint8},
+                                   {"I", 2, ScalarType::kInt16},   {"U", 2, ScalarType::kUint16},
+                                   {"I", 4, ScalarType::kInt32},   {"U", 4, ScalarType::kUint32},
+                                   {"F", 4, ScalarType::kFloat32}, {"F", 8, ScalarType::kFloat64}};
+
 bool ParseType(absl::string_view kind, int64_t bytes, ScalarType* type) {
-  static const auto& kTypes = *new std::map<std::pair<char, int64_t>, ScalarType>{
-      {{'I', 1}, ScalarType::kInt8},    {{'U', 1}, ScalarType::kUint8},
-      {{'I', 2}, ScalarType::kInt16},   {{'U', 2}, ScalarType::kUint16},
-      {{'I', 4}, ScalarType::kInt32},   {{'U', 4}, ScalarType::kUint32},
-      {{'F', 4}, ScalarType::kFloat32}, {{'F', 8}, ScalarType::kFloat64}};
-  const auto found = kind.size() == 1 ? kTypes.find({kind[0], bytes}) : kTypes.end();
-  if (found == kTypes.end()) return false;
-  *type = found->second;
-  return true;
+  for (const TypeName& known : kTypeNames) {
+    if (kind != known.kind || bytes != known.bytes) continue;
+    *type = known.type;
+    return true;
+  }
+  return false;
 }
 
 using HeaderLines = std::map<std::string, std::vector<std::string>>;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 const Eigen::Vector3d kAxes(0.22, 0.22, 0.5);
-constexpr int kCells = 28;  // along an edge of the cube that becomes a sphere
+constexpr int64_t kCells = 28;  // along an edge of the cube that becomes a sphere
 constexpr int kBumps = 5;
 
 // At rest an ellipsoid, its long axis along z.
@@ -71,7 +71,7 @@ class Blob : public SynthShape {
 
   // A subdivided cube, pushed out to the ellipsoid.
   static TriangleMesh Ellipsoid() {
-    constexpr int kSide = kCells + 1;
+    constexpr int64_t kSide = kCells + 1;
     TriangleMesh mesh;
     mesh.vertices.resize(3, 6 * kCells * kCells + 2);
     mesh.triangles.resize(3, 12 * kCells * kCells);

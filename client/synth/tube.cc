@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kHeight = 1.0, kRadius = 0.22;
-constexpr int kAround = 96, kAlong = 72;
+constexpr int64_t kAround = 96, kAlong = 72;
 constexpr int kFolds = 3;
 
 // At rest a round barrel around the z axis, z from 0 to kHeight. It hangs from its upper end.
