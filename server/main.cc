@@ -71,6 +71,8 @@ int Run(const ServerOptions& options) {
 }  // namespace cagefit::server
 
 int main(int argc, char** argv) try {
+  // gRPC writes to standard error for itself; what matters comes as a status.
+  setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
   const cagefit::server::ParsedServerOptions parsed =
       cagefit::server::ParseServerOptions(argc, argv);
   if (parsed.exit_code.has_value()) return *parsed.exit_code;

@@ -80,6 +80,7 @@ class FitJob {
   }
 
   const FitReport& report() const { return report_; }
+  bool has_begun() const { return stream_ != nullptr; }
 
  private:
   absl::StatusOr<v1::CreateSessionRequest> SessionRequest() {
@@ -247,8 +248,7 @@ int ReportBrokenOff(const absl::Status& status, const FitReport& report, bool in
   std::cerr << "cagefit: "
             << (interrupted ? std::string("interrupted") : std::string(status.message())) << "; "
             << fitted << " of " << report.frames.size() << " frames are fitted\n";
-  if (fitted > 0) return kPartlyDone;
-  return absl::IsUnavailable(status) && !interrupted ? kNoServer : kFailed;
+  return fitted > 0 ? kPartlyDone : kFailed;
 }
 
 int Fit(const FitArguments& arguments) {
@@ -264,6 +264,10 @@ int Fit(const FitArguments& arguments) {
   Interrupt interrupt;
   FitJob job(arguments, *std::move(files), &interrupt);
   const absl::Status done = job.Run();
+  if (!job.has_begun()) {
+    const int exit_code = Report(done);
+    return absl::IsInvalidArgument(done) ? static_cast<int>(kWrongUsage) : exit_code;
+  }
   if (const absl::Status written = job.Finish(); !written.ok()) {
     Report(written);
     return kFailed;

@@ -150,9 +150,13 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
   const FitTotals totals = Totals(report);
   out << absl::StreamFormat(
       "%d of %d frames fitted, %d refused, %d suspect, %d lost; RMS %.4f %% on average, %.4f %% at "
-      "worst; %.1f s, %.1f frames a second\n",
+      "worst; %.1f s",
       totals.fitted, report.frames.size(), totals.refused, totals.suspect, totals.lost,
-      totals.mean_rms_percent, totals.worst_rms_percent, totals.seconds, totals.frames_per_second);
+      totals.mean_rms_percent, totals.worst_rms_percent, totals.seconds);
+  if (totals.frames_per_second > 0) {
+    out << absl::StreamFormat(", %.1f frames a second", totals.frames_per_second);
+  }
+  out << "\n";
 }
 
 }  // namespace cagefit::client

@@ -49,6 +49,20 @@ TEST(CommandLineTest, AFitNeedsATemplateOrACount) {
   EXPECT_THAT(result.err, HasSubstr("--template CAGE, or --vertices N"));
 }
 
+TEST(CommandLineTest, SettingsThatAServerRefusesAreWrongUsage) {
+  const std::string folder = EmptyFolder("refused");
+  ASSERT_EQ(
+      RunCagefit({"synth", "blob", "--out", folder, "--frames", "1", "--points", "500"}).exit_code,
+      0);
+  const ProgramResult radius =
+      RunCagefit({"fit", folder, "--vertices", "50", "--radius", "-1", "--out", folder + "/out"});
+  EXPECT_EQ(radius.exit_code, 2);
+  EXPECT_THAT(radius.err, HasSubstr("radius is -1; it must be from 0"));
+  const ProgramResult nowhere = RunCagefit({"fit", folder, "--vertices", "50", "--out", "/proc/x"});
+  EXPECT_EQ(nowhere.exit_code, 1);
+  EXPECT_THAT(nowhere.err, HasSubstr("cannot be made"));
+}
+
 TEST(CommandLineTest, NoServerEndsWithThreeAndNamesTheAddress) {
   const ProgramResult result = RunCagefit({"session", "list", "--server", "127.0.0.1:1"});
   EXPECT_EQ(result.exit_code, 3);
