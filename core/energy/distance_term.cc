@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/base/parallel.h"
-#include "core/cloud/imls.h"
 
 namespace cagefit {
 
@@ -33,25 +32,26 @@ double DistanceTerm::Assign(const Points3d& Q, std::vector<SampleResiduals>* res
              SampleResiduals& r = (*residuals)[i];
              const bool settled = evaluated && assignments_[i].doublings == 0 &&
                                   r.support >= kMinSupport && r.beyond == 0;
-             if (!settled) {
-               assignments_[i] = Choose(Q.col(i));
-               r = EvaluateSample(i, Q.col(i));
-             }
+             if (!settled) r = AssignSample(Q.col(i), &assignments_[i]);
              sum += r.f * r.f + r.beyond * r.beyond;
            }
            return sum;
          });
 }
 
-DistanceTerm::Assignment DistanceTerm::Choose(const Eigen::Vector3d& x) const {
+SampleResiduals DistanceTerm::AssignSample(const Eigen::Vector3d& x, Assignment* assignment) const {
   double h = target_->radius();
   for (int doublings = 0; doublings <= kMaxDoublings; ++doublings, h *= 2) {
     const ImlsValue field = EvaluateImls(target_->grid(), x, h);
     if (field.support > 0 && field.nearest > far_radius_) break;
-    if (field.support >= kMinSupport) return {static_cast<int8_t>(doublings), -1};
+    if (field.support >= kMinSupport) {
+      *assignment = {static_cast<int8_t>(doublings), -1};
+      return FromField(field, x);
+    }
     if (field.support == 0 && h >= far_radius_) break;
   }
-  return {kFar, target_->Nearest(x)};
+  *assignment = {kFar, target_->Nearest(x)};
+  return EvaluatePlane(assignment->nearest, x);
 }
 
 double DistanceTerm::Evaluate(const Points3d& Q, std::vector<SampleResiduals>* residuals) const {
@@ -74,6 +74,10 @@ SampleResiduals DistanceTerm::EvaluateSample(int64_t i, const Eigen::Vector3d& x
   const ImlsValue field = EvaluateImls(target_->grid(), x, h);
   // A trial step may leave the support that the radius was chosen for.
   if (field.support == 0) return EvaluatePlane(target_->Nearest(x), x);
+  return FromField(field, x);
+}
+
+SampleResiduals DistanceTerm::FromField(const ImlsValue& field, const Eigen::Vector3d& x) const {
   SampleResiduals out;
   out.support = field.support;
   out.f = field.value;

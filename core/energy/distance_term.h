@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/cloud/imls.h"
 #include "core/cloud/target_index.h"
 
 namespace cagefit {
@@ -67,7 +68,9 @@ class DistanceTerm {
     int32_t nearest = -1;            // plane branch: index of the nearest point
   };
 
-  Assignment Choose(const Eigen::Vector3d& x) const;
+  // Chooses radius and branch for a sample at x; returns its residuals under them.
+  SampleResiduals AssignSample(const Eigen::Vector3d& x, Assignment* assignment) const;
+  SampleResiduals FromField(const ImlsValue& field, const Eigen::Vector3d& x) const;
   SampleResiduals EvaluatePlane(int32_t nearest, const Eigen::Vector3d& x) const;
 
   const TargetIndex* target_ = nullptr;

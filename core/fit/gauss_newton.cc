@@ -40,9 +40,10 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
   // this the surface falls straight onto the target and then has to slide along it.
   double stiffness = options.first_stiffness;
   objective->set_arap_weight(stiffness * arap_weight);
-  Energies energies = objective->Evaluate(*V, &half_gradient);
+  Energies energies = objective->Reevaluate(*V, &half_gradient);
   double damping = kInitialDamping;
-  bool stale = true;  // the system does not hold the current linearisation
+  bool stale = true;       // the system does not hold the current linearisation
+  bool elsewhere = false;  // the objective was last evaluated at a trial that was not taken
   while (out.iterations < options.max_iterations && !out.converged) {
     if (IsCancelled(cancelled)) break;
     if (stale) system->Linearize(*objective);
@@ -62,6 +63,7 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
     // At rounding level neither energy nor promise means anything any more.
     const bool exhausted = promised <= kRounding * energies.total() || damping >= kMostDamping;
     const bool accepted = decrease >= kLeastGain * promised && promised > 0;
+    elsewhere = !accepted;
     if (!accepted && !exhausted) {
       damping = std::min(kMostDamping, damping * 10);
       continue;
@@ -69,18 +71,22 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
     if (accepted) {
       V->swap(trial);
       if (decrease > 0.5 * promised) damping = std::max(kLeastDamping, damping / 5);
+    } else {
+      objective->Evaluate(*V, &half_gradient);
+      elsewhere = false;
     }
     out.converged =
         stiffness <= 1 && (exhausted || decrease <= options.relative_decrease * energies.total());
     stiffness = std::max(1.0, stiffness / kStiffnessFactor);
     objective->set_arap_weight(stiffness * arap_weight);
     energies = out.iterations < kMaxAssignments ? objective->Assign(*V, &half_gradient)
-                                                : objective->Evaluate(*V, &half_gradient);
+                                                : objective->Reevaluate(*V, &half_gradient);
     stale = true;
   }
   objective->set_arap_weight(arap_weight);
   if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
-  out.final = objective->Evaluate(*V, &half_gradient);
+  out.final = elsewhere ? objective->Evaluate(*V, &half_gradient)
+                        : objective->Reevaluate(*V, &half_gradient);
   return out;
 }
 

@@ -22,17 +22,19 @@ void Objective::SetTarget(const TargetIndex* target, double far_radius) {
 
 Energies Objective::Assign(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
-  return Finish(distance_.Assign(Q_, &residuals_), V, half_gradient);
+  distance_energy_ = distance_.Assign(Q_, &residuals_);
+  return Reevaluate(V, half_gradient);
 }
 
 Energies Objective::Evaluate(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
-  return Finish(distance_.Evaluate(Q_, &residuals_), V, half_gradient);
+  distance_energy_ = distance_.Evaluate(Q_, &residuals_);
+  return Reevaluate(V, half_gradient);
 }
 
-Energies Objective::Finish(double distance_energy, const Points3d& V, Points3d* half_gradient) {
+Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
   Energies energies;
-  energies.distance = distance_energy;
+  energies.distance = distance_energy_;
   half_gradient->resize(3, V.cols());
   half_gradient->setZero();
   if (arap_weight_ > 0) {

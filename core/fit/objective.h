@@ -28,6 +28,10 @@ class Objective {
   // Energies at V with radius and branch of the last Assign, and half their gradient (3 x n).
   Energies Evaluate(const Points3d& V, Points3d* half_gradient);
 
+  // As Evaluate, at V where the objective was last evaluated or assigned: after another alpha was
+  // set. Takes the distances from there.
+  Energies Reevaluate(const Points3d& V, Points3d* half_gradient);
+
   // Of the last evaluation.
   const std::vector<SampleResiduals>& residuals() const { return residuals_; }
   const DistanceTerm& distance() const { return distance_; }
@@ -38,14 +42,13 @@ class Objective {
   const StencilMatrix& stencils_transposed() const { return St_; }
 
  private:
-  Energies Finish(double distance_energy, const Points3d& V, Points3d* half_gradient);
-
   StencilMatrix S_, St_;  // m x n and n x m
   double arap_weight_;
   DistanceTerm distance_;
   ArapTerm arap_;
   Points3d Q_;
   std::vector<SampleResiduals> residuals_;
+  double distance_energy_ = 0;  // of residuals_
 };
 
 }  // namespace cagefit

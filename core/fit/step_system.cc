@@ -11,7 +11,8 @@ namespace cagefit {
 
 namespace {
 
-// Samples or vertices a chunk: some 50 microseconds of work. Smaller ones cost more in waking threads than they save.
+// Samples or vertices a chunk: some 50 microseconds of work. Smaller ones cost more in waking
+// threads than they save.
 constexpr int64_t kGrain = 1024;
 
 using Vec = Eigen::Vector4f;

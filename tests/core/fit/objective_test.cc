@@ -35,6 +35,19 @@ TEST(ObjectiveTest, GradientAgreesWithFiniteDifferencesAtHeldRadiusAndBranch) {
   }
 }
 
+TEST(ObjectiveTest, ReevaluatesUnderAnotherAlphaToTheBit) {
+  testing::FitProblem problem(0.01);
+  const Points3d V = 0.9 * problem.cage.vertices();
+  Points3d unused, again, anew;
+  problem.objective.Assign(V, &unused);
+  problem.objective.set_arap_weight(0.5);
+  const Energies cheap = problem.objective.Reevaluate(V, &again);
+  const Energies full = problem.objective.Evaluate(V, &anew);
+  EXPECT_EQ(cheap.distance, full.distance);
+  EXPECT_EQ(cheap.arap, full.arap);
+  EXPECT_EQ(again, anew);
+}
+
 TEST(ObjectiveTest, WeighsTheRegulariserByAlpha) {
   testing::FitProblem weak(0.01), strong(0.04);
   Points3d V = 0.9 * weak.cage.vertices(), unused;
