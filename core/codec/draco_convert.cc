@@ -58,6 +58,10 @@ absl::StatusOr<Vectors<Scalar>> ReadVectors(const draco::PointCloud& cloud,
         absl::StrFormat("Draco %s with %d components instead of 3", name,
                         static_cast<int>(attribute.num_components())));
   }
+  // Draco would read any byte as a bool, which only 0 and 1 are.
+  if (attribute.data_type() == draco::DT_BOOL) {
+    return absl::InvalidArgumentError(absl::StrFormat("Draco %s of type bool", name));
+  }
   RETURN_IF_ERROR(CheckMapping(attribute, cloud.num_points(), name));
   Vectors<Scalar> out(3, cloud.num_points());
   if (attribute.data_type() == draco::DT_FLOAT32) {

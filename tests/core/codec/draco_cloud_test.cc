@@ -1,8 +1,11 @@
+#include <draco/compression/expert_encode.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <random>
+#include <vector>
 
 #include "core/codec/draco_codec.h"
 #include "tests/core/codec/draco_samples.h"
@@ -159,6 +162,25 @@ TEST(DracoCloudTest, RefusesPointsAndNormalsThatAreNotFinite) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(status.message(), HasSubstr("normal of point 12"));
   }
+}
+
+TEST(DracoCloudTest, RefusesPositionsOfTypeBool) {
+  draco::PointCloud cloud;
+  cloud.set_num_points(20);
+  auto attribute = std::make_unique<draco::PointAttribute>();
+  attribute->Init(draco::GeometryAttribute::POSITION, 3, draco::DT_BOOL, false, 20);
+  attribute->SetIdentityMapping();
+  const std::vector<uint8_t> values(60, 128);
+  attribute->buffer()->Write(0, values.data(), values.size());
+  cloud.AddAttribute(std::move(attribute));
+  draco::ExpertEncoder encoder(cloud);
+  encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+  draco::EncoderBuffer buffer;
+  ASSERT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
+  const auto decoded = DecodeDracoCloud({buffer.data(), buffer.size()}, DecodeLimits());
+  EXPECT_EQ(decoded.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(decoded.status().message().find("of type bool"), absl::string_view::npos)
+      << decoded.status();
 }
 
 TEST(DracoCloudTest, TakesAMeshWithItsOwnNormals) {
