@@ -68,6 +68,16 @@ std::string TemplateProgram(const ServerOptions& options) {
   return (self.parent_path() / "cagefit").string();
 }
 
+// AddressSanitizer, which the child then has too, maps terabytes of address space.
+int64_t TemplateMemoryBytes(const ServerOptions& options) {
+#ifdef __SANITIZE_ADDRESS__
+  static_cast<void>(options);
+  return 0;
+#else
+  return options.template_memory_mib << 20;
+#endif
+}
+
 void Configure(grpc::ServerBuilder* builder) {
   builder->SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder->SetMaxSendMessageSize(kMaxMessageBytes);
@@ -95,7 +105,7 @@ struct Server::Parts {
   Parts(const ServerOptions& options, std::shared_ptr<spdlog::logger> log)
       : threads(tbb::global_control::max_allowed_parallelism, Threads(options)),
         templates(TemplateProgram(options),
-                  {options.template_memory_mib << 20, absl::Seconds(options.template_seconds)}),
+                  {TemplateMemoryBytes(options), absl::Seconds(options.template_seconds)}),
         store(StoreLimits(options), &templates, Milliseconds),
         budget(options.max_buffered_mib << 20),
         streams(options.max_streams),

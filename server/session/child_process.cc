@@ -37,7 +37,8 @@ constexpr size_t kStderrBytes = 2000;
   sigprocmask(SIG_SETMASK, &none, nullptr);  // the server blocks SIGTERM for itself
   signal(SIGPIPE, SIG_DFL);
 
-  const rlim_t memory = static_cast<rlim_t>(limits.max_memory_bytes);
+  const rlim_t memory =
+      limits.max_memory_bytes > 0 ? static_cast<rlim_t>(limits.max_memory_bytes) : RLIM_INFINITY;
   const rlimit memory_limit = {memory, memory};
   // Every core may be busy all the time: this only stops what outlives its parent's clock.
   const rlim_t seconds = static_cast<rlim_t>(absl::ToInt64Seconds(limits.max_time) + 1) *

@@ -13,7 +13,7 @@
 namespace cagefit::server {
 
 struct ChildLimits {
-  int64_t max_memory_bytes = int64_t{8} << 30;   // address space
+  int64_t max_memory_bytes = int64_t{8} << 30;   // address space; 0: no limit
   absl::Duration max_time = absl::Seconds(120);  // by the wall clock; processor time: per core
 };
 
