@@ -42,9 +42,10 @@ absl::Status FrameStream::Call::Open(v1::Fitting::Stub* stub, const std::string&
 absl::Status FrameStream::Call::WaitForRoom() {
   std::unique_lock<std::mutex> lock(mutex);
   room.wait(lock, [this] {
-    return status.has_value() || unanswered < static_cast<int>(opened.frames_in_flight()) + 1;
+    return status.has_value() || cancelled ||
+           unanswered < static_cast<int>(opened.frames_in_flight()) + 1;
   });
-  if (status.has_value()) return Ended();
+  if (status.has_value() || cancelled) return Ended();
   ++unanswered;
   return absl::OkStatus();
 }
@@ -60,6 +61,13 @@ absl::Status FrameStream::Call::End() {
 void FrameStream::Call::Answered() {
   std::lock_guard<std::mutex> lock(mutex);
   --unanswered;
+  room.notify_all();
+}
+
+void FrameStream::Call::Cancel() {
+  context.TryCancel();
+  std::lock_guard<std::mutex> lock(mutex);
+  cancelled = true;
   room.notify_all();
 }
 
@@ -115,7 +123,7 @@ absl::StatusOr<std::optional<FittedFrame>> FrameStream::Receive() {
   frame.reply = std::move(*reply.mutable_frame());
   if (frame.reply.outcome() == v1::OUTCOME_FITTED) {
     if (absl::Status applied = call_->decoder.Apply(frame.reply.delta()); !applied.ok()) {
-      call_->context.TryCancel();
+      call_->Cancel();
       return applied;
     }
   } else {
@@ -125,6 +133,6 @@ absl::StatusOr<std::optional<FittedFrame>> FrameStream::Receive() {
   return frame;
 }
 
-void FrameStream::Cancel() { call_->context.TryCancel(); }
+void FrameStream::Cancel() { call_->Cancel(); }
 
 }  // namespace cagefit::client

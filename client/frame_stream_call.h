@@ -22,6 +22,8 @@ struct FrameStream::Call {
   // Blocks until one more frame may be unanswered, and counts it.
   absl::Status WaitForRoom();
   void Answered();
+  // Ends the call and lets a sender that waits for room go.
+  void Cancel();
   // Fetches the status of a stream that brings no more replies.
   absl::Status End();
 
@@ -33,6 +35,7 @@ struct FrameStream::Call {
   std::mutex mutex;
   std::condition_variable room;
   int unanswered = 0;
+  bool cancelled = false;
   std::optional<absl::Status> status;  // once the stream has ended; written by the receiving thread
 };
 

@@ -113,6 +113,7 @@ class FitJob {
     const double start = Seconds();
     std::thread sender([this] { SendAll(); });
     absl::Status received = ReceiveAll();
+    if (!received.ok()) stream_->Cancel();  // the sender may wait for room that nobody makes
     sender.join();
     interrupt_->SetAction(nullptr);
     report_.seconds = Seconds() - start;

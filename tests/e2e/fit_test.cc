@@ -165,6 +165,15 @@ TEST(FitEndToEndTest, AServerThatIsToldToEndDrainsAndEndsWithZero) {
   }
 }
 
+TEST(FitEndToEndTest, AFolderThatTakesNoMoreFilesEndsTheFit) {
+  const std::string capture = Synth("blob", 20, 5'000), out = EmptyFolder("fit_full");
+  // A folder stands where the second control mesh has to go.
+  std::filesystem::create_directories(out + "/frames/0001.obj");
+  const ProgramResult fit = Fit(capture, out, {"--vertices", "100", "--quick"});
+  EXPECT_EQ(fit.exit_code, 4);
+  EXPECT_THAT(fit.err, HasSubstr("/frames/0001.obj: cannot be written"));
+}
+
 TEST(FitEndToEndTest, CtrlCLeavesWhatWasFitted) {
   const std::string capture = Synth("blob", 40, 40'000), out = EmptyFolder("fit_interrupted");
   const std::string cage = capture + "/truth/frame_0000.ply";

@@ -6,14 +6,17 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <future>
 #include <set>
+#include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "cagefit/v1/fitting.grpc.pb.h"
 #include "core/codec/draco_codec.h"
+#include "server/transport/fit_frames_call.h"
 #include "tests/server/running_server.h"
 #include "tests/server/session/life_line.h"
 
@@ -307,6 +310,18 @@ TEST_F(StreamTest, TimestampsComeBack) {
   const FittedFrame answer = ReceiveFrame(stream_.get());
   EXPECT_EQ(answer.reply.timestamp().seconds(), 1'700'000'000);
   EXPECT_EQ(answer.reply.timestamp().nanos(), 123456789);
+}
+
+TEST_F(StreamTest, CancelLetsASenderGoThatWaitsForRoom) {
+  std::atomic<int> sent{0};
+  std::thread sender([&] {
+    // Nobody receives, so one frame more goes out than the server reads ahead, and no other.
+    for (uint64_t number = 0; stream_->Send(OutgoingMovingFrame(number)).ok(); ++number) ++sent;
+  });
+  while (sent <= kFramesInFlight) std::this_thread::yield();
+  stream_->Cancel();
+  sender.join();
+  EXPECT_EQ(sent, kFramesInFlight + 1);
 }
 
 TEST_F(StreamTest, APngIsRejectedAndTheStreamGoesOn) {
