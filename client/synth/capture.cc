@@ -1,13 +1,9 @@
 #include "client/synth/capture.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "absl/strings/str_cat.h"
-#include "client/synth/random.h"
+#include "core/base/random.h"
 #include "core/base/status.h"
+#include "core/mesh/area_sampler.h"
 
 namespace cagefit::client {
 namespace {
@@ -21,27 +17,6 @@ absl::Status CheckRange(const char* name, double value, double least, double mos
   return absl::InvalidArgumentError(
       absl::StrCat(name, " is ", value, "; it must be from ", least, " to ", most));
 }
-
-struct Weighted {
-  std::vector<double> cumulative_area;
-
-  Weighted(const Points3d& vertices, const Triangles& triangles)
-      : cumulative_area(triangles.cols()) {
-    double sum = 0;
-    for (int64_t f = 0; f < triangles.cols(); ++f) {
-      const Eigen::Vector3d a = vertices.col(triangles(0, f));
-      sum += (vertices.col(triangles(1, f)) - a).cross(vertices.col(triangles(2, f)) - a).norm();
-      cumulative_area[f] = sum;
-    }
-  }
-
-  int64_t Draw(Random* random) const {
-    const double at = random->Uniform() * cumulative_area.back();
-    const auto found = std::upper_bound(cumulative_area.begin(), cumulative_area.end(), at);
-    return std::min<int64_t>(found - cumulative_area.begin(),
-                             static_cast<int64_t>(cumulative_area.size()) - 1);
-  }
-};
 
 }  // namespace
 
@@ -59,7 +34,7 @@ PointCloud CaptureFrame(const SynthShape& shape, int frame, const CaptureOptions
   const Points3d moved = shape.Vertices(time);
   const Triangles& triangles = shape.rest().triangles;
   const Box box = BoundingBox(moved);
-  const Weighted by_area(moved, triangles);
+  const AreaSampler by_area(moved, triangles);
   Random random(options.seed * 1'000'003 + static_cast<uint64_t>(frame));
   PointCloud cloud;
   cloud.points.resize(3, options.points);
@@ -74,11 +49,11 @@ PointCloud CaptureFrame(const SynthShape& shape, int frame, const CaptureOptions
       cloud.normals.col(i) = random.NormalVector().normalized().cast<float>();
       continue;
     }
-    const int64_t f = by_area.Draw(&random);
-    const double root = std::sqrt(random.Uniform()), s = random.Uniform();
-    const Eigen::Vector3d weights(1 - root, root * (1 - s), root * s);
+    const AreaSampler::Point drawn = by_area.Draw(&random);
     Eigen::Vector3d near = Eigen::Vector3d::Zero();
-    for (int c = 0; c < 3; ++c) near += weights[c] * shape.rest().vertices.col(triangles(c, f));
+    for (int c = 0; c < 3; ++c) {
+      near += drawn.weights[c] * shape.rest().vertices.col(triangles(c, drawn.triangle));
+    }
     const SurfacePoint moved_point = shape.MovePoint(shape.OnRest(near), time);
     Eigen::Vector3d point = moved_point.position;
     if (options.noise > 0) point += options.noise * box.diagonal() * random.NormalVector();

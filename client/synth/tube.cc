@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
-#include "client/synth/random.h"
 #include "client/synth/shape.h"
+#include "core/base/random.h"
 
 namespace cagefit::client {
 namespace {

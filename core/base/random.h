@@ -1,13 +1,13 @@
 // Seeded random numbers that are the same with every standard library.
-#ifndef CAGEFIT_CLIENT_SYNTH_RANDOM_H_
-#define CAGEFIT_CLIENT_SYNTH_RANDOM_H_
+#ifndef CAGEFIT_CORE_BASE_RANDOM_H_
+#define CAGEFIT_CORE_BASE_RANDOM_H_
 
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <random>
 
-namespace cagefit::client {
+namespace cagefit {
 
 class Random {
  public:
@@ -30,6 +30,6 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-}  // namespace cagefit::client
+}  // namespace cagefit
 
-#endif  // CAGEFIT_CLIENT_SYNTH_RANDOM_H_
+#endif  // CAGEFIT_CORE_BASE_RANDOM_H_

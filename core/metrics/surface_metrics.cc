@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/cloud/kd_tree.h"
+#include "core/cloud/spacing.h"
 #include "core/metrics/surface_samples.h"
 
 namespace cagefit {
@@ -13,8 +14,6 @@ namespace cagefit {
 namespace {
 
 constexpr int64_t kGrain = 1024;
-constexpr int kSpacingNeighbor = 7;  // the 6th besides the point itself
-constexpr int64_t kSpacingPoints = 1024;
 constexpr double kReachInSpacings = 3;
 
 // Of distance(i), i = 0 to count - 1; the sums do not depend on the number of threads.
@@ -36,20 +35,6 @@ DistanceStats Collect(int64_t count, const Distance& distance) {
   stats.mean = sum / static_cast<double>(count);
   stats.rms = std::sqrt(squares / static_cast<double>(count));
   return stats;
-}
-
-double MedianSpacing(const Points3f& points, const KdTree& tree) {
-  std::vector<float> distances;
-  const int64_t stride = std::max<int64_t>(1, points.cols() / kSpacingPoints);
-  for (int64_t i = 0; i < points.cols(); i += stride) {
-    int32_t indices[kSpacingNeighbor];
-    float squared[kSpacingNeighbor];
-    const int found = tree.Nearest(points.col(i), kSpacingNeighbor, indices, squared);
-    distances.push_back(std::sqrt(squared[found - 1]));
-  }
-  const auto middle = distances.begin() + static_cast<int64_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
 }
 
 DistanceStats DistancesToCloud(const Points3d& points, const PointCloud& target) {

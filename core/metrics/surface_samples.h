@@ -9,7 +9,7 @@
 namespace cagefit {
 
 // The vertices that triangles use, in order, then `per_face` times the number of triangles points
-// drawn uniformly by area [osada2002]. The same for one seed on every machine.
+// drawn uniformly by area. The same for one seed on every machine.
 Points3d SampleSurface(const TriangleMesh& mesh, int per_face, uint64_t seed);
 
 }  // namespace cagefit

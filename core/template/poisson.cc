@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/cloud/kd_tree.h"
+#include "core/cloud/spacing.h"
 #include "core/mesh/topology.h"
 #include "core/template/mesh_repair.h"
 
@@ -54,21 +55,6 @@ PointCloud WithoutOutliers(const PointCloud& cloud) {
   kept.points.conservativeResize(3, count);
   kept.normals.conservativeResize(3, count);
   return kept;
-}
-
-// Median distance to the 6th neighbour.
-double Spacing(const PointCloud& cloud, const KdTree& tree) {
-  constexpr int kNeighbor = 7;  // itself included
-  std::vector<float> distances;
-  const int64_t stride = std::max<int64_t>(1, cloud.size() / 2000);
-  for (int64_t i = 0; i < cloud.size(); i += stride) {
-    int32_t index[kNeighbor];
-    float squared[kNeighbor];
-    const int found = tree.Nearest(cloud.points.col(i), kNeighbor, index, squared);
-    distances.push_back(std::sqrt(squared[found - 1]));
-  }
-  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-  return distances[distances.size() / 2];
 }
 
 absl::StatusOr<TriangleMesh> RunPoisson(const PointCloud& cloud, int depth) try {
@@ -195,7 +181,7 @@ absl::StatusOr<TriangleMesh> ReconstructPoisson(const PointCloud& cloud, int32_t
   if (!cloud.has_normals()) return absl::InvalidArgumentError("template: the cloud has no normals");
   const PointCloud clean = WithoutOutliers(cloud);
   const KdTree tree(clean.points);
-  const double spacing = Spacing(clean, tree);
+  const double spacing = MedianSpacing(clean.points, tree);
   const double longest = BoundingBox(clean.points).size().maxCoeff();
   if (!(spacing > 0) || !(longest > 0)) {
     return absl::FailedPreconditionError("template: most points of the cloud coincide");
