@@ -99,9 +99,9 @@ LimitMesh BuildLimitMesh(const Topology& topology, const CreaseTags& tags, int l
   if (levels == 0) return {LimitPositionStencils(topology, tags), topology.triangles()};
   const SharpFeatures sharp = FindSharpFeatures(topology, tags);
   if (levels == 1) {
-    return {ComposeStencils(RefinedLimitStencils(topology, sharp),
-                            RefinementStencils(topology, sharp)),
-            SplitTriangles(topology)};
+    return {
+        ComposeStencils(RefinedLimitStencils(topology, sharp), RefinementStencils(topology, sharp)),
+        SplitTriangles(topology)};
   }
   Refinement fine = RefineOnce(topology, tags);
   StencilMatrix to_level = std::move(fine.matrix);
