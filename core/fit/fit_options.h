@@ -6,26 +6,46 @@
 #include <optional>
 
 #include "absl/status/status.h"
+#include "core/energy/robust_kernel.h"
 
 namespace cagefit {
 
-enum class Solver { kGaussNewton, kCeres };
+enum class Solver { kGaussNewton, kCeres, kAdam };
+// Points of the limit surface that are held to the target.
 enum class Sampling {
-  kControlVertices,
-  kRefinedVertices
-};  // limit positions of M0's or of M1's vertices
+  kControlVertices,  // limit positions of M0's vertices, as in [xie2022]
+  kRefinedVertices,  // limit positions of M1's vertices
+  kArea              // points drawn uniformly by area, samples_per_triangle times the triangles
+};
+enum class Field { kImls, kRimls };  // cloud/imls.h, cloud/rimls.h
 enum class RestMesh { kTemplate, kPreviousFrame };
 
 struct DistanceOptions {
+  Field field = Field::kImls;
   Sampling sampling = Sampling::kRefinedVertices;
-  double radius = 0;           // h, user units; 0: radius_factor times the spacing of each frame
+  int samples_per_triangle = 4;  // with kArea; 1 to 100
+  // h: `radius` (user units) where positive, else radius_share of the longest side of the first
+  // target's box where positive, else radius_factor times the spacing of each frame, more where the
+  // frame is noisy.
+  double radius = 0;
+  double radius_share = 0;     // 0 to 1
   double radius_factor = 1.7;  // of the median distance to the 6th neighbour; 0.5 to 20
   double far_radius = 0;       // d0, user units; 0: three times the radius
+  // Coarse to fine: starts with this multiple of h and halves it step by step; 1 to 64, 1: always
+  // h. 0: by the distance of the start from the target.
+  double first_radius = 0;
+  Kernel kernel = Kernel::kIdentity;  // rho, for distance and coverage alike
+  double kernel_scale = 0;            // user units; 0: twice the noise estimate of each frame
+};
+
+// Data-to-model distance (energy/coverage_term.h).
+struct CoverageOptions {
+  double weight = 1;          // 0 to 1e6; 0: none, as in [xie2022]
+  int points_per_vertex = 8;  // target points that take part, per control vertex; 1 to 1,000
 };
 
 struct ArapOptions {
-  // alpha >= 0. Not set: kArapWeightPerVertex times the number of control vertices, because E_dist
-  // grows with that number at equal distances and E_reg does not.
+  // alpha >= 0. Not set: by the number of control vertices and the noise of the frame.
   std::optional<double> weight;
   RestMesh rest = RestMesh::kTemplate;
 };
@@ -33,17 +53,30 @@ inline constexpr double kArapWeightPerVertex = 1e-5;
 
 struct SolverOptions {
   Solver solver = Solver::kGaussNewton;
-  int max_iterations = 50;          // 1 to 10,000
+  int max_iterations = 50;          // 1 to 100,000
   double relative_decrease = 1e-2;  // stop when a step lowers the energy by less; up to 0.5
   // Gauss-Newton starts with alpha times this and lowers it step by step, so that parts which moved
   // as a whole are carried as a whole. 1 to 1e6; 1: no continuation.
   double first_stiffness = 100;
+  double learning_rate = 1e-3;  // of Adam, unit coordinates a step; 1e-8 to 1
+};
+
+// What is done to a frame before it is fitted to.
+struct TargetOptions {
+  bool remove_outliers = true;  // cloud/outliers.h
+  bool repair_normals = true;   // turn those that face against their neighbours
 };
 
 struct FitOptions {
+  TargetOptions target;
   DistanceOptions distance;
+  CoverageOptions coverage;
   ArapOptions arap;
   SolverOptions solver;
+
+  // The settings of [xie2022]: samples at control vertices, radius sqrt(0.0005) in the unit box,
+  // alpha 0.01, rest mesh the template, Adam, no coverage, no changes to the target.
+  static FitOptions Paper();
 
   // INVALID_ARGUMENT naming the field, its value and its range.
   absl::Status Validate() const;
