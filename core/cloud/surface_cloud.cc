@@ -12,6 +12,8 @@ namespace {
 // A fit samples the distance field: with fewer points than this on the whole surface there is none.
 constexpr double kLeastPoints = 10'000;
 constexpr double kLargeTriangle = 2;  // longest edge in spacings
+// Where a mesh has more triangles, its vertices say enough.
+constexpr int64_t kMostMiddles = 150'000;
 
 struct Corners {
   Eigen::Vector3d a, ab, ac;
@@ -39,10 +41,12 @@ double Spacing(const TriangleMesh& mesh) {
   return std::min(*middle, std::sqrt(area / kLeastPoints));
 }
 
-// A triangle is cut into k^2 like ones, k = Cuts.
-int64_t Cuts(const Corners& corners, double spacing) {
+// A triangle is cut into k^2 like ones, k = Cuts. Of small triangles the middle stands for the
+// inside, where the mesh has few enough of them.
+int64_t Cuts(const TriangleMesh& mesh, const Corners& corners, double spacing) {
   const double ratio = corners.longest_edge() / spacing;
-  if (!(ratio > kLargeTriangle) || !(corners.area() > 0)) return 0;
+  if (!(corners.area() > 0)) return 0;
+  if (!(ratio > kLargeTriangle)) return mesh.triangles.cols() <= kMostMiddles ? 1 : 0;
   return static_cast<int64_t>(std::ceil(std::min(ratio, 1e6)));
 }
 
@@ -53,7 +57,7 @@ std::vector<int64_t> PlanCuts(const TriangleMesh& mesh, int64_t budget) {
   while (spacing > 0) {
     double sum = 0;
     for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
-      cuts[f] = Cuts(Corners(mesh, f), spacing);
+      cuts[f] = Cuts(mesh, Corners(mesh, f), spacing);
       sum += static_cast<double>(cuts[f]) * static_cast<double>(cuts[f]);
     }
     if (sum <= static_cast<double>(budget)) return cuts;

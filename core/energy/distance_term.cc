@@ -12,12 +12,24 @@ constexpr int64_t kGrain = 512;  // samples a chunk: some 0.2 ms
 
 }  // namespace
 
-void DistanceTerm::SetTarget(const TargetIndex* target, double far_radius,
-                             int64_t control_vertices) {
+void DistanceTerm::SetTarget(const TargetIndex* target, double far_radius, int64_t control_vertices,
+                             const RobustKernel& kernel) {
   target_ = target;
-  far_radius_ = far_radius;
+  radius_ = target->radius();
+  far_radius_ = finest_far_radius_ = far_radius;
+  kernel_ = scaled_kernel_ = kernel;
   control_vertices_ = control_vertices;
   assignments_.clear();
+}
+
+void DistanceTerm::SetCoarseness(double factor, double kernel_factor) {
+  radius_ = factor * target_->radius();
+  far_radius_ = factor * finest_far_radius_;
+  scaled_kernel_.scale = kernel_.scale * kernel_factor;
+}
+
+double DistanceTerm::Energy(SampleResiduals* r) const {
+  return scaled_kernel_.Rho(r->f * r->f, &r->weight) + r->beyond * r->beyond;
 }
 
 double DistanceTerm::Assign(const Points3d& Q, std::vector<SampleResiduals>* residuals) {
@@ -33,14 +45,14 @@ double DistanceTerm::Assign(const Points3d& Q, std::vector<SampleResiduals>* res
              const bool settled = evaluated && assignments_[i].doublings == 0 &&
                                   r.support >= kMinSupport && r.beyond == 0;
              if (!settled) r = AssignSample(Q.col(i), &assignments_[i]);
-             sum += r.f * r.f + r.beyond * r.beyond;
+             sum += Energy(&r);
            }
            return sum;
          });
 }
 
 SampleResiduals DistanceTerm::AssignSample(const Eigen::Vector3d& x, Assignment* assignment) const {
-  double h = target_->radius();
+  double h = radius_;
   for (int doublings = 0; doublings <= kMaxDoublings; ++doublings, h *= 2) {
     const ImlsValue field = EvaluateImls(target_->grid(), x, h);
     if (field.support > 0 && field.nearest > far_radius_) break;
@@ -61,7 +73,7 @@ double DistanceTerm::Evaluate(const Points3d& Q, std::vector<SampleResiduals>* r
            for (int64_t i = begin; i < end; ++i) {
              SampleResiduals& r = (*residuals)[i];
              r = EvaluateSample(i, Q.col(i));
-             sum += r.f * r.f + r.beyond * r.beyond;
+             sum += Energy(&r);
            }
            return sum;
          });
@@ -70,7 +82,7 @@ double DistanceTerm::Evaluate(const Points3d& Q, std::vector<SampleResiduals>* r
 SampleResiduals DistanceTerm::EvaluateSample(int64_t i, const Eigen::Vector3d& x) const {
   const Assignment& assignment = assignments_[i];
   if (assignment.doublings == kFar) return EvaluatePlane(assignment.nearest, x);
-  const double h = std::ldexp(target_->radius(), assignment.doublings);
+  const double h = std::ldexp(radius_, assignment.doublings);
   const ImlsValue field = EvaluateImls(target_->grid(), x, h);
   // A trial step may leave the support that the radius was chosen for.
   if (field.support == 0) return EvaluatePlane(target_->Nearest(x), x);

@@ -20,6 +20,14 @@ Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
   return M;
 }
 
+// t with t^2 = rho(r^2) and the sign of r; writes dt/dr.
+double RobustResidual(const RobustKernel& kernel, double r, double* slope) {
+  double weight = 1;
+  const double magnitude = std::sqrt(kernel.Rho(r * r, &weight));
+  *slope = magnitude > 0 ? weight * std::abs(r) / magnitude : 1;
+  return std::copysign(magnitude, r);
+}
+
 }  // namespace
 
 SampleCost::SampleCost(const DistanceTerm& distance, int64_t sample, std::vector<double> stencil)
@@ -34,15 +42,39 @@ bool SampleCost::Evaluate(double const* const* parameters, double* residuals,
   for (size_t k = 0; k < stencil_.size(); ++k) x += stencil_[k] * Block(parameters, k);
   const SampleResiduals r = distance_.EvaluateSample(sample_, x);
   const double root = std::sqrt(distance_.weight());
-  residuals[0] = root * r.f;
+  double slope = 1;
+  residuals[0] = root * RobustResidual(distance_.kernel(), r.f, &slope);
   residuals[1] = root * r.beyond;
   if (jacobians == nullptr) return true;
   // J_r_Vk = sqrt(n/m) grad r^T dx/dV_k with dx/dV_k = s_k I.
   for (size_t k = 0; k < stencil_.size(); ++k) {
     if (jacobians[k] == nullptr) continue;
     Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> J_r_Vk(jacobians[k]);
-    J_r_Vk.row(0) = root * stencil_[k] * r.grad_f.transpose();
+    J_r_Vk.row(0) = root * slope * stencil_[k] * r.grad_f.transpose();
     J_r_Vk.row(1) = root * stencil_[k] * r.grad_beyond.transpose();
+  }
+  return true;
+}
+
+CoverageCost::CoverageCost(const CoverageTerm::Row& row, const RobustKernel& kernel,
+                           std::vector<double> stencil)
+    : row_(row), kernel_(kernel), stencil_(std::move(stencil)) {
+  set_num_residuals(1);
+  mutable_parameter_block_sizes()->assign(stencil_.size(), 3);
+}
+
+bool CoverageCost::Evaluate(double const* const* parameters, double* residuals,
+                            double** jacobians) const {
+  Eigen::Vector3d X = Eigen::Vector3d::Zero();
+  for (size_t k = 0; k < stencil_.size(); ++k) X += stencil_[k] * Block(parameters, k);
+  const double root = std::sqrt(row_.scale);
+  double slope = 1;
+  residuals[0] = root * RobustResidual(kernel_, row_.direction.dot(row_.target - X), &slope);
+  if (jacobians == nullptr) return true;
+  for (size_t k = 0; k < stencil_.size(); ++k) {
+    if (jacobians[k] == nullptr) continue;
+    Eigen::Map<Eigen::RowVector3d> J_r_Vk(jacobians[k]);
+    J_r_Vk = -root * slope * stencil_[k] * row_.direction.transpose();
   }
   return true;
 }

@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "core/energy/arap_term.h"
+#include "core/energy/coverage_term.h"
 #include "core/energy/distance_term.h"
 
 namespace cagefit {
 
-// sqrt(n/m) (f, beyond) of sample i. Parameter blocks: the control vertices of its stencil.
+// sqrt(n/m) (+-sqrt(rho(f^2)), beyond) of sample i. Parameter blocks: the control vertices of its
+// stencil.
 class SampleCost : public ceres::CostFunction {
  public:
   SampleCost(const DistanceTerm& distance, int64_t sample, std::vector<double> stencil);
@@ -23,6 +25,21 @@ class SampleCost : public ceres::CostFunction {
  private:
   const DistanceTerm& distance_;
   int64_t sample_;
+  std::vector<double> stencil_;
+};
+
+// sqrt(gamma n/K) times +-sqrt(rho) of the residual of one covered point. Parameter blocks: the
+// control vertices of `stencil`, the row of the point's foot over them.
+class CoverageCost : public ceres::CostFunction {
+ public:
+  CoverageCost(const CoverageTerm::Row& row, const RobustKernel& kernel,
+               std::vector<double> stencil);
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  CoverageTerm::Row row_;
+  RobustKernel kernel_;
   std::vector<double> stencil_;
 };
 

@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -26,6 +27,33 @@ class CancelCallback : public ceres::IterationCallback {
   const CancelFn& cancelled_;
 };
 
+void AddCoverage(const CoverageTerm& coverage, Points3d* V, ceres::Problem* problem) {
+  const int64_t n = V->cols();
+  std::map<int32_t, double> stencil;
+  for (int64_t k = 0; k < coverage.size(); ++k) {
+    if (!coverage.is_used(k)) continue;
+    const CoverageTerm::Row row = coverage.row(k);
+    stencil.clear();
+    for (const auto& [point, weight] : row.entries) {
+      if (point < n) {
+        stencil[point] += weight;
+        continue;
+      }
+      for (StencilMatrix::InnerIterator s(coverage.surface().refinement(), point - n); s; ++s) {
+        stencil[s.col()] += weight * s.value();
+      }
+    }
+    std::vector<double*> blocks;
+    std::vector<double> weights;
+    for (const auto& [j, weight] : stencil) {
+      blocks.push_back(V->col(j).data());
+      weights.push_back(weight);
+    }
+    problem->AddResidualBlock(new CoverageCost(row, coverage.kernel(), std::move(weights)), nullptr,
+                              blocks);
+  }
+}
+
 std::unique_ptr<ceres::Problem> BuildProblem(const Objective& objective, Points3d* V) {
   auto problem = std::make_unique<ceres::Problem>();
   std::vector<double*> blocks;
@@ -40,6 +68,7 @@ std::unique_ptr<ceres::Problem> BuildProblem(const Objective& objective, Points3
     problem->AddResidualBlock(new SampleCost(objective.distance(), i, std::move(stencil)), nullptr,
                               blocks);
   }
+  if (objective.coverage() != nullptr) AddCoverage(*objective.coverage(), V, problem.get());
   if (objective.arap_weight() <= 0) return problem;
   const ArapTerm& arap = objective.arap();
   for (int32_t i = 0; i < arap.vertex_count(); ++i) {
@@ -60,7 +89,6 @@ absl::StatusOr<Minimization> MinimizeCeres(const SolverOptions& options, const C
   Points3d half_gradient;
   Energies energies = objective->Assign(*V, &half_gradient);
   out.initial = out.final = energies;
-  const std::unique_ptr<ceres::Problem> problem = BuildProblem(*objective, V);
   CancelCallback cancel(cancelled);
   ceres::Solver::Options ceres_options;
   // Conjugate gradients beat the sparse Cholesky by a factor of twenty at 2,000 control vertices.
@@ -73,6 +101,8 @@ absl::StatusOr<Minimization> MinimizeCeres(const SolverOptions& options, const C
   while (out.iterations < options.max_iterations && !out.converged) {
     if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
     ceres_options.max_num_iterations = options.max_iterations - out.iterations;
+    // The rows of coverage are others after each choice of feet.
+    const std::unique_ptr<ceres::Problem> problem = BuildProblem(*objective, V);
     ceres::Solver::Summary summary;
     ceres::Solve(ceres_options, problem.get(), &summary);
     if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");

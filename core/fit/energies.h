@@ -8,7 +8,8 @@ namespace cagefit {
 struct Energies {
   double distance = 0;  // E_dist
   double arap = 0;      // alpha E_reg
-  double total() const { return distance + arap; }
+  double coverage = 0;  // gamma E_cov
+  double total() const { return distance + arap + coverage; }
 };
 
 }  // namespace cagefit

@@ -6,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/parallel.h"
 #include "core/base/status.h"
+#include "core/fit/adam.h"
 #include "core/fit/ceres_solver.h"
 #include "core/fit/gauss_newton.h"
 #include "core/fit/objective.h"
@@ -55,7 +56,10 @@ struct Fitter::State {
         options(options),
         rest(normalization.ToUnit(mesh.vertices())),
         objective(mesh.topology(), SampleStencils(mesh, options.distance.sampling),
-                  options.arap.weight.value_or(kArapWeightPerVertex * mesh.vertex_count())),
+                  options.arap.weight.value_or(kArapWeightPerVertex * mesh.vertex_count()),
+                  options.coverage.weight > 0
+                      ? std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags())
+                      : nullptr),
         system(objective) {
     objective.SetRest(rest);
   }
@@ -66,7 +70,7 @@ struct Fitter::State {
     double lowest = 0;
     for (size_t k = 0; k < starts.size(); ++k) {
       Points3d start = normalization.ToUnit(starts[k]);
-      objective.SetTarget(&index, far_radius);
+      objective.SetTarget(&index, target.far_radius);
       if (starts.size() > 1) {
         const double energy = objective.Assign(start, &half_gradient).distance;
         if (k > 0 && !(energy < lowest)) continue;
@@ -75,9 +79,20 @@ struct Fitter::State {
       best = static_cast<int>(k);
       V->swap(start);
     }
-    // Radius and branch of another start's samples are none of this one's business.
-    if (best + 1 < static_cast<int>(starts.size())) objective.SetTarget(&index, far_radius);
+    objective.SetTarget(target);
     return best;
+  }
+
+  absl::StatusOr<Minimization> Minimize(const CancelFn& cancelled, Points3d* V) {
+    switch (options.solver.solver) {
+      case Solver::kCeres:
+        return MinimizeCeres(options.solver, cancelled, &objective, V);
+      case Solver::kAdam:
+        return MinimizeAdam(options.solver, cancelled, &objective, V);
+      case Solver::kGaussNewton:
+        break;
+    }
+    return MinimizeGaussNewton(options.solver, cancelled, &objective, &system, V);
   }
 
   Normalization normalization;
@@ -87,7 +102,7 @@ struct Fitter::State {
   StepSystem system;
   PointCloud cloud;  // the frame's, unit coordinates
   TargetIndex index;
-  double far_radius = 0;   // of the frame, unit coordinates
+  ObjectiveTarget target;  // the frame's
   Points3d half_gradient;  // work space
 };
 
@@ -116,21 +131,23 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   const double t_start = now();
   ToUnit(s.normalization, target, &s.cloud);
   const double scale = s.normalization.scale;
-  RETURN_IF_ERROR(
-      s.index.Build(s.cloud, s.options.distance.radius * scale, s.options.distance.radius_factor));
-  s.far_radius = s.options.distance.far_radius > 0 ? s.options.distance.far_radius * scale
-                                                   : kFarRadiusPerRadius * s.index.radius();
+  const DistanceOptions& distance = s.options.distance;
+  const double radius = distance.radius > 0 ? distance.radius * scale : distance.radius_share;
+  RETURN_IF_ERROR(s.index.Build(s.cloud, radius, distance.radius_factor));
+  s.target.index = &s.index;
+  s.target.far_radius = distance.far_radius > 0 ? distance.far_radius * scale
+                                                : kFarRadiusPerRadius * s.index.radius();
+  s.target.kernel = {distance.kernel, distance.kernel_scale * scale};
+  s.target.cloud = &s.cloud;
+  s.target.coverage_points = s.options.coverage.points_per_vertex * s.rest.cols();
+  s.target.coverage_weight = s.options.coverage.weight;
   const double t_indexed = now();
 
   Points3d V;
   const int chosen = s.Begin(starts, &V);
   // Rotations, too, start afresh, so that the result depends on nothing but the arguments.
   s.objective.SetRest(s.options.arap.rest == RestMesh::kPreviousFrame ? V : s.rest);
-  ASSIGN_OR_RETURN(
-      const Minimization result,
-      s.options.solver.solver == Solver::kCeres
-          ? MinimizeCeres(s.options.solver, cancelled, &s.objective, &V)
-          : MinimizeGaussNewton(s.options.solver, cancelled, &s.objective, &s.system, &V));
+  ASSIGN_OR_RETURN(const Minimization result, s.Minimize(cancelled, &V));
   if (!V.allFinite() || !std::isfinite(result.final.total())) {
     return absl::InternalError("fit: diverged, the control vertices are not finite");
   }

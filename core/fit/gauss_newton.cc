@@ -23,22 +23,30 @@ constexpr double kLeastGain = 1e-3;
 // The regulariser's weight starts `first_stiffness` times too high and falls by this factor with
 // each accepted step.
 constexpr double kStiffnessFactor = 4;
+constexpr double kRadiusFactor = 2;
 
 }  // namespace
 
 absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
                                                  const CancelFn& cancelled, Objective* objective,
-                                                 StepSystem* system, Points3d* V) {
+                                                 StepSystem* system, Points3d* V,
+                                                 double first_radius) {
   Minimization out;
   Points3d half_gradient, trial_half_gradient, step, trial;
   const double arap_weight = objective->arap_weight();
+  double radius = first_radius, stiffness = options.first_stiffness;
+  const auto set_coarseness = [&] {
+    objective->set_arap_weight(stiffness * arap_weight);
+    objective->SetCoarseness(radius, std::max(radius, std::sqrt(stiffness)));
+  };
+  set_coarseness();
+  objective->set_arap_weight(arap_weight);
   out.initial = out.final = objective->Assign(*V, &half_gradient);
   if (!std::isfinite(out.initial.total())) {
     return absl::InternalError(absl::StrFormat("fit: initial energy is %g", out.initial.total()));
   }
   // Stiff first, so that what moved as a whole is carried as a whole; the details follow. Without
   // this the surface falls straight onto the target and then has to slide along it.
-  double stiffness = options.first_stiffness;
   objective->set_arap_weight(stiffness * arap_weight);
   Energies energies = objective->Reevaluate(*V, &half_gradient);
   double damping = kInitialDamping;
@@ -75,10 +83,11 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
       objective->Evaluate(*V, &half_gradient);
       elsewhere = false;
     }
-    out.converged =
-        stiffness <= 1 && (exhausted || decrease <= options.relative_decrease * energies.total());
+    out.converged = stiffness <= 1 && radius <= 1 &&
+                    (exhausted || decrease <= options.relative_decrease * energies.total());
     stiffness = std::max(1.0, stiffness / kStiffnessFactor);
-    objective->set_arap_weight(stiffness * arap_weight);
+    radius = std::max(1.0, radius / kRadiusFactor);
+    set_coarseness();
     energies = out.iterations < kMaxAssignments ? objective->Assign(*V, &half_gradient)
                                                 : objective->Reevaluate(*V, &half_gradient);
     stale = true;

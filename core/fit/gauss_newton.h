@@ -18,11 +18,15 @@ struct Minimization {
 };
 
 // Minimises the objective from *V (3 x n, unit coordinates), which it replaces by the minimiser.
-// Radius and branch of every sample are chosen anew after each accepted step. CANCELLED within one
+// Radius and branch of every sample, and the feet of covered points, are chosen anew after each
+// accepted step. The first steps see a coarser problem: alpha is options.first_stiffness times too
+// high and falls by a factor of 4 a step, radii are `first_radius` times too large and halve, and
+// the kernel's scale follows both. CANCELLED within one
 // step, INTERNAL when energy or step are not finite; *V is then unspecified.
 absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
                                                  const CancelFn& cancelled, Objective* objective,
-                                                 StepSystem* system, Points3d* V);
+                                                 StepSystem* system, Points3d* V,
+                                                 double first_radius = 1);
 
 }  // namespace cagefit
 

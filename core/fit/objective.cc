@@ -1,5 +1,6 @@
 #include "core/fit/objective.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/parallel.h"
@@ -10,31 +11,86 @@ namespace {
 
 constexpr int64_t kGrain = 8192;  // control vertices a chunk
 
+bool AreEqual(const StencilMatrix& a, const StencilMatrix& b) {
+  return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
+         std::equal(a.valuePtr(), a.valuePtr() + a.nonZeros(), b.valuePtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
+}
+
+StencilMatrix Stack(const StencilMatrix& top, const StencilMatrix& bottom) {
+  StencilMatrix out(top.rows() + bottom.rows(), top.cols());
+  out.resizeNonZeros(top.nonZeros() + bottom.nonZeros());
+  int64_t at = 0, row = 0;
+  for (const StencilMatrix* part : {&top, &bottom}) {
+    for (int64_t i = 0; i < part->rows(); ++i) {
+      out.outerIndexPtr()[row++] = static_cast<int32_t>(at) + part->outerIndexPtr()[i];
+    }
+    std::copy(part->valuePtr(), part->valuePtr() + part->nonZeros(), out.valuePtr() + at);
+    std::copy(part->innerIndexPtr(), part->innerIndexPtr() + part->nonZeros(),
+              out.innerIndexPtr() + at);
+    at += part->nonZeros();
+  }
+  out.outerIndexPtr()[row] = static_cast<int32_t>(at);
+  return out;
+}
+
 }  // namespace
 
-Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weight)
-    : S_(std::move(S)), St_(S_.transpose()), arap_weight_(arap_weight), arap_(topology) {}
+Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weight,
+                     std::unique_ptr<CoverageTerm> coverage)
+    : S_(std::move(S)),
+      St_(S_.transpose()),
+      arap_weight_(arap_weight),
+      arap_(topology),
+      coverage_(std::move(coverage)) {
+  if (coverage_ == nullptr || AreEqual(S_, coverage_->lump_stencils())) return;
+  stacked_ = Stack(S_, coverage_->lump_stencils());
+  lump_begin_ = S_.rows();
+}
 
-void Objective::SetTarget(const TargetIndex* target, double far_radius) {
-  distance_.SetTarget(target, far_radius, S_.cols());
+void Objective::SetTarget(const ObjectiveTarget& target) {
+  distance_.SetTarget(target.index, target.far_radius, S_.cols(), target.kernel);
+  if (coverage_ != nullptr) {
+    coverage_->SetTarget(target.cloud, target.coverage_points, target.coverage_weight,
+                         target.kernel);
+  }
+  radius_factor_ = 1;
   residuals_.clear();
+}
+
+void Objective::SetCoarseness(double radius_factor, double kernel_factor) {
+  distance_.SetCoarseness(radius_factor, kernel_factor);
+  if (coverage_ != nullptr) coverage_->SetKernelFactor(kernel_factor);
+  if (radius_factor != radius_factor_) residuals_.clear();
+  radius_factor_ = radius_factor;
 }
 
 Energies Objective::Assign(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Assign(Q_, &residuals_);
+  coverage_energy_ = coverage_ != nullptr ? coverage_->Assign(V) : 0;
+  return Reevaluate(V, half_gradient);
+}
+
+Energies Objective::AssignSamples(const Points3d& V, Points3d* half_gradient) {
+  ApplyStencils(S_, V, &Q_);
+  residuals_.clear();
+  distance_energy_ = distance_.Assign(Q_, &residuals_);
+  coverage_energy_ = coverage_ != nullptr ? coverage_->Evaluate(V) : 0;
   return Reevaluate(V, half_gradient);
 }
 
 Energies Objective::Evaluate(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Evaluate(Q_, &residuals_);
+  coverage_energy_ = coverage_ != nullptr ? coverage_->Evaluate(V) : 0;
   return Reevaluate(V, half_gradient);
 }
 
 Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
   Energies energies;
   energies.distance = distance_energy_;
+  energies.coverage = coverage_energy_;
   half_gradient->resize(3, V.cols());
   half_gradient->setZero();
   if (arap_weight_ > 0) {
@@ -42,18 +98,19 @@ Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
     energies.arap = arap_weight_ * arap_.Evaluate(V, half_gradient);
     *half_gradient *= arap_weight_;
   }
-  // dE_dist/dV_j = 2 n/m sum_i S_ij (f grad f + beyond grad beyond).
+  // dE_dist/dV_j = 2 n/m sum_i S_ij (rho' f grad f + beyond grad beyond).
   const double weight = distance_.weight();
   ParallelFor(V.cols(), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t j = begin; j < end; ++j) {
       Eigen::Vector3d g = Eigen::Vector3d::Zero();
       for (StencilMatrix::InnerIterator s(St_, j); s; ++s) {
         const SampleResiduals& r = residuals_[s.col()];
-        g += s.value() * (r.f * r.grad_f + r.beyond * r.grad_beyond);
+        g += s.value() * (r.weight * r.f * r.grad_f + r.beyond * r.grad_beyond);
       }
       half_gradient->col(j) += weight * g;
     }
   });
+  if (coverage_ != nullptr) coverage_->AddHalfGradient(half_gradient);
   return energies;
 }
 

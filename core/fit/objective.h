@@ -1,31 +1,58 @@
-// The energy that every solver minimises: E_dist + alpha E_reg over the control vertices, in unit
-// coordinates.
+// The energy that every solver minimises: E_dist + alpha E_reg + gamma E_cov over the control
+// vertices, in unit coordinates.
 #ifndef CAGEFIT_CORE_FIT_OBJECTIVE_H_
 #define CAGEFIT_CORE_FIT_OBJECTIVE_H_
 
+#include <memory>
 #include <vector>
 
 #include "core/energy/arap_term.h"
+#include "core/energy/coverage_term.h"
 #include "core/energy/distance_term.h"
 #include "core/fit/energies.h"
 #include "core/subdiv/stencils.h"
 
 namespace cagefit {
 
+// What a frame is held to. Lengths in unit coordinates.
+struct ObjectiveTarget {
+  const TargetIndex* index = nullptr;  // outlives the objective's use of it
+  double far_radius = 0;               // d0
+  RobustKernel kernel;
+  const PointCloud* cloud = nullptr;  // with normals: what has to be covered
+  int64_t coverage_points = 0;        // of the cloud, at most
+  double coverage_weight = 0;         // gamma; 0: none, as without a coverage term
+};
+
 // Not thread-safe. Structure is built once; SetTarget and SetRest replace numbers.
 class Objective {
  public:
-  // S: m samples x n control vertices.
-  Objective(const Topology& topology, StencilMatrix S, double arap_weight);
+  // S: m samples x n control vertices. `coverage` may be null.
+  Objective(const Topology& topology, StencilMatrix S, double arap_weight,
+            std::unique_ptr<CoverageTerm> coverage = nullptr);
 
-  void SetTarget(const TargetIndex* target, double far_radius);
+  void SetTarget(const ObjectiveTarget& target);
+  void SetTarget(const TargetIndex* index, double far_radius) {
+    ObjectiveTarget target;
+    target.index = index;
+    target.far_radius = far_radius;
+    SetTarget(target);
+  }
   void SetRest(const Points3d& rest) { arap_.SetRest(rest); }
 
-  // Chooses radius and branch of every sample at V (3 x n), where Evaluate was last called or the
-  // target is new, and returns the energies under that choice with half their gradient (3 x n).
+  // Coarse to fine: multiplies radius and far radius by `radius_factor`, the kernel's scale by
+  // `kernel_factor`, both >= 1; 1 after SetTarget. Assign must follow.
+  void SetCoarseness(double radius_factor, double kernel_factor);
+
+  // Chooses radius and branch of every sample and the foot of every covered point at V (3 x n),
+  // where Evaluate was last called or the target or the coarseness is new, and returns the energies
+  // under that choice with half their gradient (3 x n).
   Energies Assign(const Points3d& V, Points3d* half_gradient);
 
-  // Energies at V with radius and branch of the last Assign, and half their gradient (3 x n).
+  // As Assign at any V, but with the feet of the last Assign.
+  Energies AssignSamples(const Points3d& V, Points3d* half_gradient);
+
+  // Energies at V with the choices of the last Assign, and half their gradient (3 x n).
   Energies Evaluate(const Points3d& V, Points3d* half_gradient);
 
   // As Evaluate, at V where the objective was last evaluated or assigned: after another alpha was
@@ -36,19 +63,29 @@ class Objective {
   const std::vector<SampleResiduals>& residuals() const { return residuals_; }
   const DistanceTerm& distance() const { return distance_; }
   const ArapTerm& arap() const { return arap_; }
-  double arap_weight() const { return arap_weight_; }  // alpha
+  const CoverageTerm* coverage() const { return coverage_.get(); }  // null: there is none
+  double arap_weight() const { return arap_weight_; }               // alpha
   void set_arap_weight(double weight) { arap_weight_ = weight; }
   const StencilMatrix& stencils() const { return S_; }
-  const StencilMatrix& stencils_transposed() const { return St_; }
+  // Rows at which a Gauss-Newton matrix has its blocks: the samples, and behind them, where they
+  // are others, the vertices of M1 that coverage is lumped at. Blocks of coverage begin at row
+  // lump_begin().
+  const StencilMatrix& block_stencils() const { return lump_begin_ > 0 ? stacked_ : S_; }
+  int64_t lump_begin() const { return lump_begin_; }
 
  private:
-  StencilMatrix S_, St_;  // m x n and n x m
+  StencilMatrix S_, St_;    // m x n and n x m
+  StencilMatrix stacked_;   // S_, then those of the lumps; empty where they are S_
+  int64_t lump_begin_ = 0;  // 0 or m
   double arap_weight_;
   DistanceTerm distance_;
   ArapTerm arap_;
+  std::unique_ptr<CoverageTerm> coverage_;
+  double radius_factor_ = 1;
   Points3d Q_;
   std::vector<SampleResiduals> residuals_;
   double distance_energy_ = 0;  // of residuals_
+  double coverage_energy_ = 0;
 };
 
 }  // namespace cagefit

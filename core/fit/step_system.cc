@@ -48,9 +48,9 @@ double Dot(const Vectors& a, const Vectors& b) {
 }  // namespace
 
 StepSystem::StepSystem(const Objective& objective)
-    : samples_(objective.stencils().rows()), vertices_(objective.stencils().cols()) {
-  CopyRows(objective.stencils(), &row_begin_, &row_index_, &row_weight_);
-  CopyRows(objective.stencils_transposed(), &column_begin_, &column_index_, &column_weight_);
+    : rows_(objective.block_stencils().rows()), vertices_(objective.block_stencils().cols()) {
+  CopyRows(objective.block_stencils(), &row_begin_, &row_index_, &row_weight_);
+  CopyRows(objective.block_stencils().transpose(), &column_begin_, &column_index_, &column_weight_);
   const ArapTerm& arap = objective.arap();
   edge_begin_.push_back(0);
   for (int32_t i = 0; i < vertices_; ++i) {
@@ -63,10 +63,8 @@ StepSystem::StepSystem(const Objective& objective)
     }
     edge_begin_.push_back(static_cast<int32_t>(edge_neighbor_.size()));
   }
-  grad_f_.resize(samples_);
-  grad_beyond_.resize(samples_);
-  has_beyond_.resize(samples_);
-  sample_.resize(samples_);
+  block_columns_.resize(3 * rows_);
+  row_.resize(rows_);
   edge_weight_.resize(edge_neighbor_.size());
   edge_.resize(edge_neighbor_.size());
   edge_sum_.resize(vertices_);
@@ -77,28 +75,20 @@ StepSystem::StepSystem(const Objective& objective)
 }
 
 void StepSystem::Linearize(const Objective& objective) {
-  const double weight = objective.distance().weight();
+  LinearizeRows(objective);
   const double alpha = objective.arap_weight();
-  const std::vector<SampleResiduals>& residuals = objective.residuals();
-  ParallelFor(samples_, kGrain, [&](int64_t begin, int64_t end) {
-    const double root = std::sqrt(weight);
-    for (int64_t i = begin; i < end; ++i) {
-      grad_f_[i] = Widen((root * residuals[i].grad_f).eval());
-      has_beyond_[i] = residuals[i].beyond > 0;
-      if (has_beyond_[i]) grad_beyond_[i] = Widen((root * residuals[i].grad_beyond).eval());
-    }
-  });
   const ArapTerm& arap = objective.arap();
   rigid_ = alpha > 0;
   ParallelFor(vertices_, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
-      Eigen::Matrix3d D = Eigen::Matrix3d::Zero();
+      Vec columns[3] = {Vec::Zero(), Vec::Zero(), Vec::Zero()};
       for (int32_t s = column_begin_[i]; s < column_begin_[i + 1]; ++s) {
-        const SampleResiduals& r = residuals[column_index_[s]];
-        const double w = weight * column_weight_[s] * column_weight_[s];
-        D.noalias() += w * r.grad_f * r.grad_f.transpose();
-        if (r.beyond > 0) D.noalias() += w * r.grad_beyond * r.grad_beyond.transpose();
+        const float w = column_weight_[s] * column_weight_[s];
+        const Vec* const block = &block_columns_[3 * column_index_[s]];
+        for (int c = 0; c < 3; ++c) columns[c] += w * block[c];
       }
+      Eigen::Matrix3d D;
+      for (int c = 0; c < 3; ++c) D.col(c) = columns[c].head<3>().cast<double>();
       if (rigid_) {
         const Eigen::Matrix3d& R = arap.rotation(static_cast<int32_t>(i));
         Eigen::Vector3d edge_sum = Eigen::Vector3d::Zero();
@@ -125,6 +115,30 @@ void StepSystem::Linearize(const Objective& objective) {
   mean_diagonal_ = static_cast<float>(trace / (3.0 * static_cast<double>(vertices_)));
 }
 
+void StepSystem::LinearizeRows(const Objective& objective) {
+  const auto weight = static_cast<float>(objective.distance().weight());
+  const std::vector<SampleResiduals>& residuals = objective.residuals();
+  const auto samples = static_cast<int64_t>(residuals.size()), lump_begin = objective.lump_begin();
+  const bool covers = objective.coverage() != nullptr && objective.coverage()->is_on();
+  if (covers) objective.coverage()->Lump(&lumped_);
+  ParallelFor(rows_, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      Eigen::Matrix3f A = Eigen::Matrix3f::Zero();
+      if (i < samples) {
+        const SampleResiduals& r = residuals[i];
+        const Eigen::Vector3f f = r.grad_f.cast<float>();
+        A = static_cast<float>(r.weight) * weight * f * f.transpose();
+        if (r.beyond > 0) {
+          const Eigen::Vector3f b = r.grad_beyond.cast<float>();
+          A += weight * b * b.transpose();
+        }
+      }
+      if (covers && i >= lump_begin) A += lumped_[i - lump_begin];
+      for (int c = 0; c < 3; ++c) block_columns_[3 * i + c] << A.col(c), 0;
+    }
+  });
+}
+
 void StepSystem::Precondition(double damping) {
   const double shift = std::max(damping, 1e-9) * mean_diagonal_;
   for (int64_t i = 0; i < vertices_; ++i) {
@@ -136,15 +150,14 @@ void StepSystem::Precondition(double damping) {
 
 void StepSystem::Apply(const Vecs& x, float damping, Vecs* y) {
   // t_i = A_i sum_j S_ij x_j
-  ParallelFor(samples_, kGrain, [&](int64_t begin, int64_t end) {
+  ParallelFor(rows_, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       Vec u = Vec::Zero();
       for (int32_t s = row_begin_[i]; s < row_begin_[i + 1]; ++s) {
         u += row_weight_[s] * x[row_index_[s]];
       }
-      Vec t = grad_f_[i] * grad_f_[i].dot(u);
-      if (has_beyond_[i]) t += grad_beyond_[i] * grad_beyond_[i].dot(u);
-      sample_[i] = t;
+      const Vec* const A = &block_columns_[3 * i];
+      row_[i] = A[0] * u[0] + A[1] * u[1] + A[2] * u[2];
     }
   });
   // w_i = A_i^-1 sum_j e_ij x (x_i - x_j)
@@ -165,7 +178,7 @@ void StepSystem::Apply(const Vecs& x, float damping, Vecs* y) {
     for (int64_t j = begin; j < end; ++j) {
       Vec sum = damping * x[j];
       for (int32_t s = column_begin_[j]; s < column_begin_[j + 1]; ++s) {
-        sum += column_weight_[s] * sample_[column_index_[s]];
+        sum += column_weight_[s] * row_[column_index_[s]];
       }
       if (rigid_) {
         sum -= turn_[j].cross3(edge_sum_[j]);

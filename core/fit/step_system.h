@@ -3,8 +3,10 @@
 //
 //   ( S^T A S + alpha H_arap + lambda D ) step = -g/2
 //
-// A holds one 3 x 3 block per sample, n/m (grad f grad f^T + grad b grad b^T); H_arap is that of
-// energy/arap_term.h; D is the mean diagonal. The preconditioner is the inverse of the 3 x 3
+// A holds one 3 x 3 block per row of Objective::block_stencils: of a sample,
+// n/m (rho' grad f grad f^T + grad b grad b^T), and what coverage is lumped at it
+// (energy/coverage_term.h); H_arap is that of energy/arap_term.h; D is the mean diagonal. The
+// preconditioner is the inverse of the 3 x 3
 // diagonal blocks. Vectors are single precision, four lanes a vertex: the step is inexact by
 // design, gradient and energy stay double.
 #ifndef CAGEFIT_CORE_FIT_STEP_SYSTEM_H_
@@ -36,6 +38,7 @@ class StepSystem {
   using Vec = Eigen::Vector4f;  // x y z 0
   using Vecs = std::vector<Vec, Eigen::aligned_allocator<Vec>>;
 
+  void LinearizeRows(const Objective& objective);
   void Precondition(double damping);
   void Apply(const Vecs& x, float damping, Vecs* y);
 
@@ -43,14 +46,14 @@ class StepSystem {
   std::vector<int32_t> row_begin_, row_index_, column_begin_, column_index_;
   std::vector<float> row_weight_, column_weight_;
   std::vector<int32_t> edge_begin_, edge_neighbor_, edge_reverse_;
-  int64_t samples_ = 0, vertices_ = 0;
+  int64_t rows_ = 0, vertices_ = 0;
 
   // Numbers of the current linearisation.
-  Vecs grad_f_, grad_beyond_;       // sqrt(n/m) times the gradients, per sample
-  std::vector<char> has_beyond_;    // per sample
-  std::vector<float> edge_weight_;  // alpha w_ij, per half-edge
-  Vecs edge_;                       // alpha w_ij R_i (V'_i - V'_j), per half-edge
-  Vecs edge_sum_;                   // its sum over j, per vertex
+  Vecs block_columns_;                   // of A: three a row
+  std::vector<Eigen::Matrix3f> lumped_;  // per vertex of M1
+  std::vector<float> edge_weight_;       // alpha w_ij, per half-edge
+  Vecs edge_;                            // alpha w_ij R_i (V'_i - V'_j), per half-edge
+  Vecs edge_sum_;                        // its sum over j, per vertex
   std::vector<Eigen::Matrix4f, Eigen::aligned_allocator<Eigen::Matrix4f>> inverse_inertia_;
   std::vector<Eigen::Matrix3d> diagonal_;  // without damping
   float mean_diagonal_ = 0;
@@ -58,7 +61,7 @@ class StepSystem {
 
   // Work space.
   std::vector<Eigen::Matrix4f, Eigen::aligned_allocator<Eigen::Matrix4f>> inverse_diagonal_;
-  Vecs sample_, turn_, x_, r_, z_, p_, q_;
+  Vecs row_, turn_, x_, r_, z_, p_, q_;
 };
 
 }  // namespace cagefit

@@ -1,0 +1,161 @@
+#include "core/energy/coverage_term.h"
+
+#include <algorithm>
+
+#include "core/base/parallel.h"
+#include "core/subdiv/refine.h"
+
+namespace cagefit {
+
+namespace {
+
+constexpr int64_t kGrain = 256;  // points a chunk
+
+// Below this share of the surface's size a point lies on the surface, and the direction to it is
+// rounding.
+constexpr double kOnSurface = 1e-9;
+
+}  // namespace
+
+CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags)
+    : surface_(topology, tags),
+      limit_(BuildLimitMesh(topology, tags, 1)),
+      projector_(&surface_, tags),
+      refinement_transposed_(surface_.refinement().transpose()) {}
+
+void CoverageTerm::SetTarget(const PointCloud* target, int64_t points, double weight,
+                             const RobustKernel& kernel) {
+  weight_ = target != nullptr ? weight : 0;
+  kernel_ = scaled_kernel_ = kernel;
+  if (!is_on()) return;
+  const int64_t K = std::min(points, target->size());
+  points_.resize(3, K);
+  normals_.resize(3, K);
+  for (int64_t k = 0; k < K; ++k) {
+    points_.col(k) = target->points.col(k * target->size() / K).cast<double>();
+    normals_.col(k) = target->normals.col(k * target->size() / K).cast<double>();
+  }
+  assigned_ = false;
+  feet_.assign(K, Foot());
+  chunks_.resize((K + kGrain - 1) / kGrain);
+}
+
+double CoverageTerm::PointWeight() const {
+  return weight_ * static_cast<double>(surface_.vertex_count()) /
+         static_cast<double>(std::max<int64_t>(1, points_.cols()));
+}
+
+double CoverageTerm::Assign(const Points3d& V) {
+  if (!is_on()) return 0;
+  surface_.ControlPoints(V, &control_points_);
+  projector_.SetVertices(V);
+  const bool tracks = assigned_;
+  assigned_ = true;
+  return PointWeight() * ParallelSum(points_.cols(), kGrain, [&](int64_t begin, int64_t end) {
+           Chunk& chunk = chunks_[begin / kGrain];
+           chunk.clear();
+           double sum = 0;
+           for (int64_t k = begin; k < end; ++k) {
+             AssignPoint(k, tracks, &chunk);
+             sum += Energy(&feet_[k]);
+           }
+           return sum;
+         });
+}
+
+void CoverageTerm::AssignPoint(int64_t k, bool tracks, Chunk* chunk) {
+  Foot& foot = feet_[k];
+  const Eigen::Vector3d p = points_.col(k);
+  const SurfaceFoot found = tracks ? projector_.Track(p, foot.at) : projector_.Closest(p);
+  const Eigen::Vector3d offset = p - found.position;
+  const double distance = offset.norm();
+  foot.at = found.at;
+  foot.used = normals_.col(k).dot(found.normal) > 0;
+  foot.begin = static_cast<int32_t>(chunk->size());
+  foot.count = 0;
+  foot.residual = 0;
+  if (!foot.used) return;
+  foot.direction = distance > kOnSurface ? (offset / distance).eval() : found.normal;
+  foot.residual = foot.direction.dot(offset);
+  SurfaceRow row;
+  surface_.PositionRow(found.at, &row);
+  chunk->insert(chunk->end(), row.begin(), row.end());
+  foot.count = static_cast<int32_t>(row.size());
+  foot.triangle = RefinedTriangle(found.at, &foot.barycentric);
+}
+
+double CoverageTerm::Evaluate(const Points3d& V) {
+  if (!is_on()) return 0;
+  surface_.ControlPoints(V, &control_points_);
+  return PointWeight() * ParallelSum(points_.cols(), kGrain, [&](int64_t begin, int64_t end) {
+           const Chunk& chunk = chunks_[begin / kGrain];
+           double sum = 0;
+           for (int64_t k = begin; k < end; ++k) {
+             Foot& foot = feet_[k];
+             if (!foot.used) continue;
+             Eigen::Vector3d X = Eigen::Vector3d::Zero();
+             for (int32_t s = foot.begin; s < foot.begin + foot.count; ++s) {
+               X += chunk[s].second * control_points_.col(chunk[s].first);
+             }
+             foot.residual = foot.direction.dot(points_.col(k) - X);
+             sum += Energy(&foot);
+           }
+           return sum;
+         });
+}
+
+double CoverageTerm::Energy(Foot* foot) const {
+  if (!foot->used) return 0;
+  return scaled_kernel_.Rho(foot->residual * foot->residual, &foot->weight);
+}
+
+// dE/dV = -2 gamma n/K sum_k rho' r_k d_k s_k, gathered at the control points of the patches and
+// taken back through the refinement. One thread, so that the order of the sum is fixed.
+void CoverageTerm::AddHalfGradient(Points3d* half_gradient) const {
+  if (!is_on()) return;
+  const int64_t n = surface_.vertex_count();
+  pull_.setZero(3, n + surface_.refinement().rows());
+  const double scale = -PointWeight();
+  for (int64_t k = 0; k < points_.cols(); ++k) {
+    const Foot& foot = feet_[k];
+    if (!foot.used) continue;
+    const Chunk& chunk = chunks_[k / kGrain];
+    const Eigen::Vector3d g = (scale * foot.weight * foot.residual) * foot.direction;
+    for (int32_t s = foot.begin; s < foot.begin + foot.count; ++s) {
+      pull_.col(chunk[s].first) += chunk[s].second * g;
+    }
+  }
+  *half_gradient += pull_.leftCols(n);
+  ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
+    for (int64_t j = begin; j < end; ++j) {
+      Eigen::Vector3d g = Eigen::Vector3d::Zero();
+      for (StencilMatrix::InnerIterator s(refinement_transposed_, j); s; ++s) {
+        g += s.value() * pull_.col(n + s.col());
+      }
+      half_gradient->col(j) += g;
+    }
+  });
+}
+
+void CoverageTerm::Lump(std::vector<Eigen::Matrix3f>* blocks) const {
+  blocks->assign(limit_.position.rows(), Eigen::Matrix3f::Zero());
+  if (!is_on()) return;
+  const double scale = PointWeight();
+  for (const Foot& foot : feet_) {
+    if (!foot.used) continue;
+    const Eigen::Vector3f d = foot.direction.cast<float>();
+    const Eigen::Matrix3f D = static_cast<float>(scale * foot.weight) * d * d.transpose();
+    for (int c = 0; c < 3; ++c) {
+      (*blocks)[limit_.triangles(c, foot.triangle)] += static_cast<float>(foot.barycentric[c]) * D;
+    }
+  }
+}
+
+CoverageTerm::Row CoverageTerm::row(int64_t k) const {
+  const Foot& foot = feet_[k];
+  const Chunk& chunk = chunks_[k / kGrain];
+  return {absl::MakeConstSpan(chunk).subspan(foot.begin, foot.count), foot.direction,
+          points_.col(k), PointWeight()};
+}
+
+}  // namespace cagefit

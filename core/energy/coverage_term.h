@@ -1,0 +1,113 @@
+// How far points of the target are from the limit surface: what the distance of samples to the
+// target never asks.
+//
+//   E_cov = gamma (n/K) sum_k rho( (d_k . (p_k - X_k))^2 )
+//
+// n control vertices, K target points p_k, X_k the point of the limit surface closest to p_k, d_k
+// the unit vector from X_k to p_k (the surface's normal where they coincide), rho a robust kernel.
+// The foot of p_k, as (face, u, v), and d_k are chosen by Assign and held fixed for value, gradient
+// and step acceptance: X_k = sum_j s_kj V_j is linear in V, and so is the residual, which equals
+// the distance of p_k where it was assigned. Sliding along the surface costs nothing, at a boundary
+// the surface is drawn out to the points beyond it.
+//
+// A point whose normal faces against the surface's at its foot takes no part: it belongs to another
+// sheet.
+//
+// The Gauss-Newton matrix is bounded by one that is diagonal in the vertices of M1: with b_kc the
+// barycentric weights of the foot in its triangle of the limit mesh of M1, and Q_c the vertices of
+// that triangle,
+//
+//   sum_k w_k (d_k . sum_c b_kc dQ_c)^2 <= sum_c dQ_c^T ( sum_k b_kc w_k d_k d_k^T ) dQ_c
+//
+// because the b_kc sum to 1 (mass lumping). It costs a solver nothing beside the samples that are
+// there anyhow.
+#ifndef CAGEFIT_CORE_ENERGY_COVERAGE_TERM_H_
+#define CAGEFIT_CORE_ENERGY_COVERAGE_TERM_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "absl/types/span.h"
+#include "core/cloud/point_cloud.h"
+#include "core/energy/robust_kernel.h"
+#include "core/mesh/control_mesh.h"
+#include "core/subdiv/limit.h"
+#include "core/subdiv/limit_surface.h"
+#include "core/subdiv/surface_projector.h"
+
+namespace cagefit {
+
+// Not thread-safe. Structure is built once; buffers keep their capacity.
+class CoverageTerm {
+ public:
+  CoverageTerm(const Topology& topology, const CreaseTags& tags);
+  CoverageTerm(const CoverageTerm&) = delete;
+
+  // Copies at most `points` points of `target` (with normals), evenly spread over their order.
+  // `weight` is gamma; 0 or no target: the term is off and everything below is 0.
+  void SetTarget(const PointCloud* target, int64_t points, double weight,
+                 const RobustKernel& kernel);
+  void SetKernelFactor(double factor) { scaled_kernel_.scale = factor * kernel_.scale; }
+  bool is_on() const { return weight_ > 0; }
+
+  // Finds the feet at V (3 x n) and returns the energy.
+  double Assign(const Points3d& V);
+  // Energy at V with the feet of the last Assign.
+  double Evaluate(const Points3d& V);
+  // Adds half the gradient of the last evaluation (3 x n).
+  void AddHalfGradient(Points3d* half_gradient) const;
+
+  // Limit positions of M1's vertices (rows over the control vertices), and the blocks of the last
+  // evaluation's bound, one for each: symmetric 3 x 3.
+  const StencilMatrix& lump_stencils() const { return limit_.position; }
+  void Lump(std::vector<Eigen::Matrix3f>* blocks) const;
+
+  // One point of the target that takes part, for solvers that want its row: over the points of
+  // LimitSurface::ControlPoints.
+  struct Row {
+    absl::Span<const std::pair<int32_t, double>> entries;
+    Eigen::Vector3d direction, target;  // d_k, p_k
+    double scale;                       // gamma n/K
+  };
+  int64_t size() const { return is_on() ? points_.cols() : 0; }
+  bool is_used(int64_t k) const { return feet_[k].used; }
+  Row row(int64_t k) const;
+  const RobustKernel& kernel() const { return scaled_kernel_; }
+  const LimitSurface& surface() const { return surface_; }
+
+ private:
+  struct Foot {
+    bool used = false;
+    int32_t begin = 0, count = 0;  // of its row, in its chunk
+    int32_t triangle = 0;          // of the limit mesh of M1
+    Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+    double residual = 0, weight = 0;  // at the last evaluation: rho'
+    SurfacePoint at;
+  };
+  // Entries of the rows of consecutive points, found by one thread.
+  using Chunk = std::vector<std::pair<int32_t, double>>;
+
+  void AssignPoint(int64_t k, bool tracks, Chunk* chunk);
+  double Energy(Foot* foot) const;
+  double PointWeight() const;  // gamma n/K
+
+  LimitSurface surface_;
+  LimitMesh limit_;
+  SurfaceProjector projector_;
+  StencilMatrix refinement_transposed_;
+  double weight_ = 0;
+  bool assigned_ = false;  // the feet are those of an earlier Assign
+  RobustKernel kernel_, scaled_kernel_;
+  Points3d points_, normals_;  // 3 x K
+  Points3d control_points_;
+  mutable Points3d pull_;  // 3 x control points: work space of AddHalfGradient
+  std::vector<Foot> feet_;
+  std::vector<Chunk> chunks_;
+};
+
+}  // namespace cagefit
+
+#endif  // CAGEFIT_CORE_ENERGY_COVERAGE_TERM_H_
