@@ -19,7 +19,8 @@ constexpr double kOnSurface = 1e-9;
 
 CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags)
     : surface_(topology, tags),
-      limit_(BuildLimitMesh(topology, tags, 1)),
+      m1_(RefineOnce(topology, tags).topology),
+      stencils_(BuildLimitMesh(topology, tags, 1).position),
       projector_(&surface_, tags),
       refinement_transposed_(surface_.refinement().transpose()) {}
 
@@ -137,16 +138,21 @@ void CoverageTerm::AddHalfGradient(Points3d* half_gradient) const {
   });
 }
 
-void CoverageTerm::Lump(std::vector<Eigen::Matrix3f>* blocks) const {
-  blocks->assign(limit_.position.rows(), Eigen::Matrix3f::Zero());
+void CoverageTerm::Linearize(Blocks* blocks) const {
+  blocks->vertex.assign(m1_.vertex_count(), Eigen::Matrix3f::Zero());
+  blocks->lumped.assign(m1_.vertex_count(), Eigen::Matrix3f::Zero());
+  blocks->edge.assign(m1_.edge_count(), Eigen::Matrix3f::Zero());
   if (!is_on()) return;
   const double scale = PointWeight();
   for (const Foot& foot : feet_) {
     if (!foot.used) continue;
-    const Eigen::Vector3f d = foot.direction.cast<float>();
+    const Eigen::Vector3f d = foot.direction.cast<float>(), b = foot.barycentric.cast<float>();
     const Eigen::Matrix3f D = static_cast<float>(scale * foot.weight) * d * d.transpose();
     for (int c = 0; c < 3; ++c) {
-      (*blocks)[limit_.triangles(c, foot.triangle)] += static_cast<float>(foot.barycentric[c]) * D;
+      const int32_t v = m1_.triangles()(c, foot.triangle);
+      blocks->vertex[v] += b[c] * b[c] * D;
+      blocks->lumped[v] += b[c] * D;
+      blocks->edge[m1_.triangle_edge(foot.triangle, c)] += b[c] * b[(c + 1) % 3] * D;
     }
   }
 }

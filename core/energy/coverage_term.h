@@ -13,14 +13,13 @@
 // A point whose normal faces against the surface's at its foot takes no part: it belongs to another
 // sheet.
 //
-// The Gauss-Newton matrix is bounded by one that is diagonal in the vertices of M1: with b_kc the
-// barycentric weights of the foot in its triangle of the limit mesh of M1, and Q_c the vertices of
-// that triangle,
+// The Gauss-Newton matrix moves the foot with its triangle of the limit mesh of M1: with b_kc the
+// barycentric weights of the foot in that triangle and Q_c its vertices,
 //
-//   sum_k w_k (d_k . sum_c b_kc dQ_c)^2 <= sum_c dQ_c^T ( sum_k b_kc w_k d_k d_k^T ) dQ_c
+//   1/2 dV^T H dV = sum_k w_k (d_k . sum_c b_kc dQ_c)^2,   w_k = gamma (n/K) rho'
 //
-// because the b_kc sum to 1 (mass lumping). It costs a solver nothing beside the samples that are
-// there anyhow.
+// has one 3 x 3 block per vertex of M1 and one per edge, however many points there are, and differs
+// from that of the exact rows by the second order in the size of M1's triangles.
 #ifndef CAGEFIT_CORE_ENERGY_COVERAGE_TERM_H_
 #define CAGEFIT_CORE_ENERGY_COVERAGE_TERM_H_
 
@@ -59,10 +58,17 @@ class CoverageTerm {
   // Adds half the gradient of the last evaluation (3 x n).
   void AddHalfGradient(Points3d* half_gradient) const;
 
-  // Limit positions of M1's vertices (rows over the control vertices), and the blocks of the last
-  // evaluation's bound, one for each: symmetric 3 x 3.
-  const StencilMatrix& lump_stencils() const { return limit_.position; }
-  void Lump(std::vector<Eigen::Matrix3f>* blocks) const;
+  // Limit positions of M1's vertices: rows over the control vertices, at which the Gauss-Newton
+  // matrix has its blocks. Edges of M1 in the order of m1().
+  const StencilMatrix& stencils() const { return stencils_; }
+  const Topology& m1() const { return m1_; }
+  // The blocks of the last evaluation, all symmetric.
+  struct Blocks {
+    std::vector<Eigen::Matrix3f> vertex;  // sum_k b_kc^2 w_k d_k d_k^T
+    std::vector<Eigen::Matrix3f> edge;    // sum_k b_kc b_kc' w_k d_k d_k^T
+    std::vector<Eigen::Matrix3f> lumped;  // of a vertex, its row's sum: sum_k b_kc w_k d_k d_k^T
+  };
+  void Linearize(Blocks* blocks) const;
 
   // One point of the target that takes part, for solvers that want its row: over the points of
   // LimitSurface::ControlPoints.
@@ -81,7 +87,7 @@ class CoverageTerm {
   struct Foot {
     bool used = false;
     int32_t begin = 0, count = 0;  // of its row, in its chunk
-    int32_t triangle = 0;          // of the limit mesh of M1
+    int32_t triangle = 0;          // of M1
     Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();
     double residual = 0, weight = 0;  // at the last evaluation: rho'
@@ -95,7 +101,8 @@ class CoverageTerm {
   double PointWeight() const;  // gamma n/K
 
   LimitSurface surface_;
-  LimitMesh limit_;
+  Topology m1_;
+  StencilMatrix stencils_;
   SurfaceProjector projector_;
   StencilMatrix refinement_transposed_;
   double weight_ = 0;

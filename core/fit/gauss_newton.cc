@@ -83,13 +83,17 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
       objective->Evaluate(*V, &half_gradient);
       elsewhere = false;
     }
-    out.converged = stiffness <= 1 && radius <= 1 &&
-                    (exhausted || decrease <= options.relative_decrease * energies.total());
+    // Judged on what is left after new choices: held ones promise more than they keep where feet
+    // slide along a curved surface.
+    const bool finest = stiffness <= 1 && radius <= 1;
+    const double before = energies.total();
     stiffness = std::max(1.0, stiffness / kStiffnessFactor);
     radius = std::max(1.0, radius / kRadiusFactor);
     set_coarseness();
     energies = out.iterations < kMaxAssignments ? objective->Assign(*V, &half_gradient)
                                                 : objective->Reevaluate(*V, &half_gradient);
+    out.converged =
+        finest && (exhausted || before - energies.total() <= options.relative_decrease * before);
     stale = true;
   }
   objective->set_arap_weight(arap_weight);

@@ -43,9 +43,9 @@ Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weig
       arap_weight_(arap_weight),
       arap_(topology),
       coverage_(std::move(coverage)) {
-  if (coverage_ == nullptr || AreEqual(S_, coverage_->lump_stencils())) return;
-  stacked_ = Stack(S_, coverage_->lump_stencils());
-  lump_begin_ = S_.rows();
+  if (coverage_ == nullptr || AreEqual(S_, coverage_->stencils())) return;
+  stacked_ = Stack(S_, coverage_->stencils());
+  coverage_begin_ = S_.rows();
 }
 
 void Objective::SetTarget(const ObjectiveTarget& target) {

@@ -68,15 +68,14 @@ class Objective {
   void set_arap_weight(double weight) { arap_weight_ = weight; }
   const StencilMatrix& stencils() const { return S_; }
   // Rows at which a Gauss-Newton matrix has its blocks: the samples, and behind them, where they
-  // are others, the vertices of M1 that coverage is lumped at. Blocks of coverage begin at row
-  // lump_begin().
-  const StencilMatrix& block_stencils() const { return lump_begin_ > 0 ? stacked_ : S_; }
-  int64_t lump_begin() const { return lump_begin_; }
+  // are others, the vertices of M1 that coverage acts on, which begin at row coverage_begin().
+  const StencilMatrix& block_stencils() const { return coverage_begin_ > 0 ? stacked_ : S_; }
+  int64_t coverage_begin() const { return coverage_begin_; }
 
  private:
-  StencilMatrix S_, St_;    // m x n and n x m
-  StencilMatrix stacked_;   // S_, then those of the lumps; empty where they are S_
-  int64_t lump_begin_ = 0;  // 0 or m
+  StencilMatrix S_, St_;        // m x n and n x m
+  StencilMatrix stacked_;       // S_, then those of M1; empty where they are S_
+  int64_t coverage_begin_ = 0;  // 0 or m
   double arap_weight_;
   DistanceTerm distance_;
   ArapTerm arap_;

@@ -36,6 +36,10 @@ void CopyRows(const StencilMatrix& S, std::vector<int32_t>* begin, std::vector<i
                  [](double w) { return static_cast<float>(w); });
 }
 
+Vec Times(const Vec* columns, const Vec& x) {
+  return columns[0] * x[0] + columns[1] * x[1] + columns[2] * x[2];
+}
+
 template <typename Vectors>
 double Dot(const Vectors& a, const Vectors& b) {
   return ParallelSum(static_cast<int64_t>(a.size()), kGrain, [&](int64_t begin, int64_t end) {
@@ -63,8 +67,10 @@ StepSystem::StepSystem(const Objective& objective)
     }
     edge_begin_.push_back(static_cast<int32_t>(edge_neighbor_.size()));
   }
+  if (objective.coverage() != nullptr) LinkRows(objective);
   block_columns_.resize(3 * rows_);
-  row_.resize(rows_);
+  row_in_.resize(rows_);
+  row_out_.resize(rows_);
   edge_weight_.resize(edge_neighbor_.size());
   edge_.resize(edge_neighbor_.size());
   edge_sum_.resize(vertices_);
@@ -72,6 +78,21 @@ StepSystem::StepSystem(const Objective& objective)
   inverse_diagonal_.resize(vertices_);
   diagonal_.resize(vertices_);
   for (Vecs* v : {&turn_, &x_, &r_, &z_, &p_, &q_}) v->resize(vertices_);
+}
+
+void StepSystem::LinkRows(const Objective& objective) {
+  coverage_begin_ = objective.coverage_begin();
+  const Topology& m1 = objective.coverage()->m1();
+  link_columns_.resize(3 * m1.edge_count());
+  link_begin_.push_back(0);
+  for (int32_t v = 0; v < m1.vertex_count(); ++v) {
+    const absl::Span<const int32_t> ring = m1.Ring(v), edges = m1.RingEdges(v);
+    for (size_t k = 0; k < ring.size(); ++k) {
+      link_row_.push_back(static_cast<int32_t>(coverage_begin_) + ring[k]);
+      link_edge_.push_back(edges[k]);
+    }
+    link_begin_.push_back(static_cast<int32_t>(link_row_.size()));
+  }
 }
 
 void StepSystem::Linearize(const Objective& objective) {
@@ -84,8 +105,14 @@ void StepSystem::Linearize(const Objective& objective) {
       Vec columns[3] = {Vec::Zero(), Vec::Zero(), Vec::Zero()};
       for (int32_t s = column_begin_[i]; s < column_begin_[i + 1]; ++s) {
         const float w = column_weight_[s] * column_weight_[s];
-        const Vec* const block = &block_columns_[3 * column_index_[s]];
-        for (int c = 0; c < 3; ++c) columns[c] += w * block[c];
+        const int32_t row = column_index_[s];
+        for (int c = 0; c < 3; ++c) columns[c] += w * block_columns_[3 * row + c];
+        if (covers_ && row >= coverage_begin_) {
+          // What the links add, as if the rows that they join moved alike.
+          const int64_t v = row - coverage_begin_;
+          const Eigen::Matrix3f links = coverage_.lumped[v] - coverage_.vertex[v];
+          for (int c = 0; c < 3; ++c) columns[c].head<3>() += w * links.col(c);
+        }
       }
       Eigen::Matrix3d D;
       for (int c = 0; c < 3; ++c) D.col(c) = columns[c].head<3>().cast<double>();
@@ -118,9 +145,14 @@ void StepSystem::Linearize(const Objective& objective) {
 void StepSystem::LinearizeRows(const Objective& objective) {
   const auto weight = static_cast<float>(objective.distance().weight());
   const std::vector<SampleResiduals>& residuals = objective.residuals();
-  const auto samples = static_cast<int64_t>(residuals.size()), lump_begin = objective.lump_begin();
-  const bool covers = objective.coverage() != nullptr && objective.coverage()->is_on();
-  if (covers) objective.coverage()->Lump(&lumped_);
+  const auto samples = static_cast<int64_t>(residuals.size());
+  covers_ = objective.coverage() != nullptr && objective.coverage()->is_on();
+  if (covers_) {
+    objective.coverage()->Linearize(&coverage_);
+    for (size_t e = 0; e < coverage_.edge.size(); ++e) {
+      for (int c = 0; c < 3; ++c) link_columns_[3 * e + c] << coverage_.edge[e].col(c), 0;
+    }
+  }
   ParallelFor(rows_, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       Eigen::Matrix3f A = Eigen::Matrix3f::Zero();
@@ -133,7 +165,7 @@ void StepSystem::LinearizeRows(const Objective& objective) {
           A += weight * b * b.transpose();
         }
       }
-      if (covers && i >= lump_begin) A += lumped_[i - lump_begin];
+      if (covers_ && i >= coverage_begin_) A += coverage_.vertex[i - coverage_begin_];
       for (int c = 0; c < 3; ++c) block_columns_[3 * i + c] << A.col(c), 0;
     }
   });
@@ -148,6 +180,21 @@ void StepSystem::Precondition(double damping) {
   }
 }
 
+void StepSystem::ApplyLinked() {
+  ParallelFor(rows_, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      Vec t = Times(&block_columns_[3 * i], row_in_[i]);
+      if (i >= coverage_begin_) {
+        const int64_t v = i - coverage_begin_;
+        for (int32_t l = link_begin_[v]; l < link_begin_[v + 1]; ++l) {
+          t += Times(&link_columns_[3 * link_edge_[l]], row_in_[link_row_[l]]);
+        }
+      }
+      row_out_[i] = t;
+    }
+  });
+}
+
 void StepSystem::Apply(const Vecs& x, float damping, Vecs* y) {
   // t_i = A_i sum_j S_ij x_j
   ParallelFor(rows_, kGrain, [&](int64_t begin, int64_t end) {
@@ -156,10 +203,11 @@ void StepSystem::Apply(const Vecs& x, float damping, Vecs* y) {
       for (int32_t s = row_begin_[i]; s < row_begin_[i + 1]; ++s) {
         u += row_weight_[s] * x[row_index_[s]];
       }
-      const Vec* const A = &block_columns_[3 * i];
-      row_[i] = A[0] * u[0] + A[1] * u[1] + A[2] * u[2];
+      row_in_[i] = u;
+      if (!covers_) row_out_[i] = Times(&block_columns_[3 * i], u);
     }
   });
+  if (covers_) ApplyLinked();
   // w_i = A_i^-1 sum_j e_ij x (x_i - x_j)
   if (rigid_) {
     ParallelFor(vertices_, kGrain, [&](int64_t begin, int64_t end) {
@@ -178,7 +226,7 @@ void StepSystem::Apply(const Vecs& x, float damping, Vecs* y) {
     for (int64_t j = begin; j < end; ++j) {
       Vec sum = damping * x[j];
       for (int32_t s = column_begin_[j]; s < column_begin_[j + 1]; ++s) {
-        sum += column_weight_[s] * row_[column_index_[s]];
+        sum += column_weight_[s] * row_out_[column_index_[s]];
       }
       if (rigid_) {
         sum -= turn_[j].cross3(edge_sum_[j]);
