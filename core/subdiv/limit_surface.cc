@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/parallel.h"
 #include "core/base/status.h"
+#include "core/subdiv/child_point.h"
 #include "core/subdiv/refine.h"
 
 namespace cagefit {
@@ -38,36 +39,6 @@ void FoldMirrors(int i, int position, int count, Weights* weights) {
   };
   fold(-1, 0, 1);
   fold(4, 3, 2);
-}
-
-// The point in the coordinates of child `c` of its triangle (refine.h), and the derivatives of
-// these by u and v: (du'/du, du'/dv; dv'/du, dv'/dv).
-struct ChildPoint {
-  int child = 0;
-  double u = 0, v = 0;
-  Eigen::Matrix2d jacobian = Eigen::Matrix2d::Identity();
-};
-
-ChildPoint InChild(double u, double v) {
-  const double w = 1 - u - v;
-  ChildPoint out;
-  // Corner c is the child's first: its coordinates are twice the weights of the corners c + 1, c
-  // + 2.
-  if (w >= 0.5) {
-    out = {0, 2 * u, 2 * v};
-    out.jacobian << 2, 0, 0, 2;
-  } else if (u >= 0.5) {
-    out = {1, 2 * v, 2 * w};
-    out.jacobian << 0, 2, -2, -2;
-  } else if (v >= 0.5) {
-    out = {2, 2 * w, 2 * u};
-    out.jacobian << -2, -2, 2, 0;
-  } else {
-    // (e0 e1 e2), e0 between corners 0 and 1: weights 1 - 2 v, 1 - 2 w, 1 - 2 u.
-    out = {3, 1 - 2 * w, 1 - 2 * u};
-    out.jacobian << 2, 2, -2, 0;
-  }
-  return out;
 }
 
 // Weights of derivatives by u and v from those by the child's coordinates.
@@ -188,12 +159,12 @@ absl::Span<const int32_t> LimitSurface::LocalWeights(const SurfacePoint& point,
       if (patch.open[i] > 0) FoldMirrors(i, patch.open[i] - 1, count, &lattice);
     }
     weights->assign(lattice.begin(), lattice.end());
-    if (is_split) ChangeParameters(child.jacobian, count, weights);
+    if (is_split) ChangeParameters(ChildJacobian(child.child), count, weights);
   } else {
     shapes_[patch.shape].Evaluate(child.u, child.v, derivatives, weights);
     // Tangents of the limit masks belong to no parametrisation.
     if (!IrregularPatch::IsAtVertex(child.u, child.v)) {
-      ChangeParameters(child.jacobian, count, weights);
+      ChangeParameters(ChildJacobian(child.child), count, weights);
     }
   }
   return absl::MakeConstSpan(points_).subspan(patch.begin, patches_[index + 1].begin - patch.begin);
@@ -230,6 +201,22 @@ SurfaceJet LimitSurface::Evaluate(const Points3d& control_points, const SurfaceP
   return jet;
 }
 
+void LimitSurface::PositionRow(const SurfacePoint& point, SurfaceRow* row) const {
+  PatchWeights weights;
+  const absl::Span<const int32_t> points = LocalWeights(point, Derivatives::kNone, &weights);
+  row->clear();
+  for (size_t k = 0; k < points.size(); ++k) {
+    if (points[k] != kMirrored) row->emplace_back(points[k], weights[k][0]);
+  }
+}
+
+bool LimitSurface::IsExtraordinary(const SurfacePoint& point) const {
+  if (!is_split_[point.face]) return false;
+  const ChildPoint child = InChild(std::max(0.0, point.u), std::max(0.0, point.v));
+  return patches_[first_patch_[point.face] + child.child].shape != kRegular &&
+         IrregularPatch::IsAtVertex(child.u, child.v);
+}
+
 absl::Status LimitSurface::Check(const SurfacePoint& point, Derivatives derivatives) const {
   const double w = 1 - point.u - point.v;
   if (point.face < 0 || point.face >= face_count() ||
@@ -237,12 +224,7 @@ absl::Status LimitSurface::Check(const SurfacePoint& point, Derivatives derivati
     return absl::InvalidArgumentError(absl::StrFormat("(face %d, u %g, v %g) is not on the surface",
                                                       point.face, point.u, point.v));
   }
-  if (derivatives != Derivatives::kSecond || !is_split_[point.face]) return absl::OkStatus();
-  const ChildPoint child = InChild(std::max(0.0, point.u), std::max(0.0, point.v));
-  if (patches_[first_patch_[point.face] + child.child].shape == kRegular ||
-      !IrregularPatch::IsAtVertex(child.u, child.v)) {
-    return absl::OkStatus();
-  }
+  if (derivatives != Derivatives::kSecond || !IsExtraordinary(point)) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrFormat(
       "(face %d, u %g, v %g) is an extraordinary vertex: it has no second derivatives", point.face,
       point.u, point.v));

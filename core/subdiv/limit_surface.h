@@ -9,8 +9,10 @@
 
 #include <array>
 #include <map>
+#include <utility>
 #include <vector>
 
+#include "absl/container/inlined_vector.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "core/mesh/control_mesh.h"
@@ -26,6 +28,9 @@ namespace cagefit {
 struct SurfaceStencils {
   StencilMatrix position, du, dv, duu, duv, dvv;
 };
+
+// A point as weights of control points (LimitSurface::ControlPoints): index, weight.
+using SurfaceRow = absl::InlinedVector<std::pair<int32_t, double>, 24>;
 
 // Immutable; thread-safe.
 class LimitSurface {
@@ -48,10 +53,26 @@ class LimitSurface {
   SurfaceJet Evaluate(const Points3d& control_points, const SurfacePoint& point,
                       Derivatives derivatives) const;
 
+  // The position at `point`, which must be valid, as a row over the control points: about 12
+  // entries that sum to 1. With R = refinement(), the gradient g of a function of the position adds
+  // w g to control vertex i for an entry (i, w) with i < n, else w r g to each vertex of an entry r
+  // of row i - n of R: gather the g of all points over the control points first, then multiply by R
+  // once.
+  void PositionRow(const SurfacePoint& point, SurfaceRow* row) const;
+
+  // Vertices of the mesh refined once x control vertices (n): control point n + i is row i of it
+  // times V.
+  const StencilMatrix& refinement() const { return refinement_; }
+
+  // Whether the point, which must be valid, is an extraordinary vertex: du and dv are tangents that
+  // belong to no parametrisation there.
+  bool IsExtraordinary(const SurfacePoint& point) const;
+
   // The same point of the surface as seen from the triangle across the edge from corner c to c + 1,
   // on which it must lie; face is -1 on a boundary.
   SurfacePoint Across(const SurfacePoint& point, int c) const;
 
+  const Topology& topology() const { return topology_; }
   int32_t face_count() const { return static_cast<int32_t>(first_patch_.size()); }
   int64_t vertex_count() const { return refinement_.cols(); }
 
