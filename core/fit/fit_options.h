@@ -7,23 +7,18 @@
 
 #include "absl/status/status.h"
 #include "core/energy/robust_kernel.h"
+#include "core/subdiv/surface_sampler.h"
 
 namespace cagefit {
 
 enum class Solver { kGaussNewton, kCeres, kAdam };
-// Points of the limit surface that are held to the target.
-enum class Sampling {
-  kControlVertices,  // limit positions of M0's vertices, as in [xie2022]
-  kRefinedVertices,  // limit positions of M1's vertices
-  kArea              // points drawn uniformly by area, samples_per_triangle times the triangles
-};
 enum class Field { kImls, kRimls };  // cloud/imls.h, cloud/rimls.h
 enum class RestMesh { kTemplate, kPreviousFrame };
 
 struct DistanceOptions {
   Field field = Field::kImls;
-  Sampling sampling = Sampling::kRefinedVertices;
-  int samples_per_triangle = 4;  // with kArea; 1 to 100
+  Sampling sampling = Sampling::kRefinedVertices;  // points that are held to the target
+  int samples_per_triangle = 4;                    // with kArea; 1 to 100
   // h: `radius` (user units) where positive, else radius_share of the longest side of the first
   // target's box where positive, else radius_factor times the spacing of each frame, more where the
   // frame is noisy.

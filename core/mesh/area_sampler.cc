@@ -17,8 +17,12 @@ AreaSampler::AreaSampler(const Points3d& vertices, const Triangles& triangles)
 }
 
 AreaSampler::Point AreaSampler::Draw(Random* random) const {
-  const double at = random->Uniform() * cumulative_.back();
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), at);
+  return DrawAt(random->Uniform(), random);
+}
+
+AreaSampler::Point AreaSampler::DrawAt(double share, Random* random) const {
+  const auto found =
+      std::upper_bound(cumulative_.begin(), cumulative_.end(), share * cumulative_.back());
   const int64_t last = static_cast<int64_t>(cumulative_.size()) - 1;
   // (1 - sqrt r) a + sqrt r (1 - s) b + sqrt r s c is uniform in the triangle.
   const double root = std::sqrt(random->Uniform()), s = random->Uniform();

@@ -21,6 +21,9 @@ class AreaSampler {
   };
   // Requires has_area(). Takes three numbers from `random`.
   Point Draw(Random* random) const;
+  // The same in the triangle where the running sum of the areas passes `share` (0 to 1) of all.
+  // Takes two numbers.
+  Point DrawAt(double share, Random* random) const;
 
  private:
   std::vector<double> cumulative_;  // entry f: twice the area of triangles 0 to f

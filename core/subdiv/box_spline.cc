@@ -4,91 +4,80 @@ namespace cagefit {
 
 namespace {
 
-// A term of a quartic in the corners' weights a, b, c, times 12.
-struct Term {
-  double factor;
-  int a, b, c;  // powers, 4 in sum
+// A function F of two variables m and n with its partial derivatives.
+struct Partials {
+  double F, m, n, mm, mn, nn;
 };
 
-// The corner with weight a.
-constexpr Term kCorner[] = {{6, 4, 0, 0},  {24, 3, 1, 0}, {24, 3, 0, 1}, {24, 2, 2, 0},
-                            {60, 2, 1, 1}, {24, 2, 0, 2}, {8, 1, 3, 0},  {36, 1, 2, 1},
-                            {36, 1, 1, 2}, {8, 1, 0, 3},  {1, 0, 4, 0},  {6, 0, 3, 1},
-                            {12, 0, 2, 2}, {6, 0, 1, 3},  {1, 0, 0, 4}};
-// The point across the edge of the corners with weights a and b.
-constexpr Term kAcross[] = {{1, 4, 0, 0}, {6, 3, 1, 0}, {12, 2, 2, 0}, {6, 1, 3, 0}, {1, 0, 4, 0},
-                            {2, 3, 0, 1}, {6, 2, 1, 1}, {6, 1, 2, 1},  {2, 0, 3, 1}};
-// A point that only the corner with weight a has in its ring, on the side of the corner with
-// weight b.
-constexpr Term kBehind[] = {{1, 4, 0, 0}, {2, 3, 1, 0}};
+// A variable with its derivatives by u and v.
+struct Variable {
+  double value, u, v, uu = 0, uv = 0, vv = 0;
 
-// Powers of one weight with their derivatives, to which the constants of differentiation belong.
-struct Powers {
-  double p[5], d[5], dd[5];
-
-  explicit Powers(double x) {
-    p[0] = 1;
-    for (int k = 1; k < 5; ++k) p[k] = p[k - 1] * x;
-    for (int k = 0; k < 5; ++k) {
-      d[k] = k > 0 ? k * p[k - 1] : 0;
-      dd[k] = k > 1 ? k * (k - 1) * p[k - 2] : 0;
-    }
+  Variable operator+(const Variable& o) const { return {value + o.value, u + o.u, v + o.v}; }
+  Variable operator*(const Variable& o) const {  // of linear ones
+    return {value * o.value, u * o.value + value * o.u, v * o.value + value * o.v,
+            2 * u * o.u,     u * o.v + v * o.u,         2 * v * o.v};
   }
 };
 
-// Value, gradient and second derivatives (aa, ab, ac, bb, bc, cc) of a quartic in (a, b, c).
-struct Quartic {
-  double value = 0, a = 0, b = 0, c = 0, aa = 0, ab = 0, ac = 0, bb = 0, bc = 0, cc = 0;
-};
-
-template <size_t kTerms>
-Quartic Evaluate(const Term (&terms)[kTerms], const Powers& a, const Powers& b, const Powers& c,
-                 Derivatives derivatives) {
-  Quartic q;
-  for (const Term& t : terms) {
-    const double f = t.factor / 12;
-    const double pa = a.p[t.a], pb = b.p[t.b], pc = c.p[t.c];
-    q.value += f * pa * pb * pc;
-    if (derivatives == Derivatives::kNone) continue;
-    const double da = a.d[t.a], db = b.d[t.b], dc = c.d[t.c];
-    q.a += f * da * pb * pc;
-    q.b += f * pa * db * pc;
-    q.c += f * pa * pb * dc;
-    if (derivatives == Derivatives::kFirst) continue;
-    q.aa += f * a.dd[t.a] * pb * pc;
-    q.bb += f * pa * b.dd[t.b] * pc;
-    q.cc += f * pa * pb * c.dd[t.c];
-    q.ab += f * da * db * pc;
-    q.ac += f * da * pb * dc;
-    q.bc += f * pa * db * dc;
-  }
-  return q;
+// By the chain rule, divided by 12. m is linear in u and v.
+void Chain(const Partials& f, const Variable& m, const Variable& n, int count, JetWeights* w) {
+  constexpr double kScale = 1.0 / 12;
+  (*w)[0] = kScale * f.F;
+  if (count == 1) return;
+  (*w)[1] = kScale * (f.m * m.u + f.n * n.u);
+  (*w)[2] = kScale * (f.m * m.v + f.n * n.v);
+  if (count == 3) return;
+  (*w)[3] = kScale * (f.mm * m.u * m.u + 2 * f.mn * m.u * n.u + f.nn * n.u * n.u + f.n * n.uu);
+  (*w)[4] =
+      kScale * (f.mm * m.u * m.v + f.mn * (m.u * n.v + m.v * n.u) + f.nn * n.u * n.v + f.n * n.uv);
+  (*w)[5] = kScale * (f.mm * m.v * m.v + 2 * f.mn * m.v * n.v + f.nn * n.v * n.v + f.n * n.vv);
 }
 
-// By the chain rule: (da/du, db/du, dc/du) = du and likewise dv, constants.
-JetWeights Chain(const Quartic& q, const Eigen::Vector3d& du, const Eigen::Vector3d& dv) {
-  const Eigen::Vector3d g(q.a, q.b, q.c);
-  Eigen::Matrix3d H;
-  H << q.aa, q.ab, q.ac, q.ab, q.bb, q.bc, q.ac, q.bc, q.cc;
-  return {q.value, g.dot(du), g.dot(dv), du.dot(H * du), du.dot(H * dv), dv.dot(H * dv)};
+// 12 times the corner's weight; s and p are the sum and the product of the other two coordinates.
+Partials Corner(double s, double p) {
+  const double s2 = s * s;
+  return {6 - s2 * (12 - 8 * s + s2) + p * (12 - 12 * s + 2 * s2) + 2 * p * p,
+          -4 * s * (6 - 6 * s + s2) + p * (4 * s - 12),
+          12 - 12 * s + 2 * s2 + 4 * p,
+          -24 + 48 * s - 12 * s2 + 4 * p,
+          4 * s - 12,
+          4};
+}
+
+// 12 times that of the point across the edge of two corners; s and p are of their coordinates.
+Partials Across(double s, double p) {
+  const double s2 = s * s;
+  return {s2 * (2 * s - s2 + 2 * p) + 2 * p * p,
+          s * (6 * s - 4 * s2 + 4 * p),
+          2 * s2 + 4 * p,
+          12 * s - 12 * s2 + 4 * p,
+          4 * s,
+          4};
+}
+
+// 12 times that of a point that only the corner with coordinate a has in its ring, on the side of
+// the corner with coordinate b: a^4 + 2 a^3 b.
+Partials Behind(double a, double b) {
+  const double a2 = a * a;
+  return {a2 * a * (a + 2 * b), a2 * (4 * a + 6 * b), 2 * a2 * a, 12 * a * (a + b), 6 * a2, 0};
 }
 
 }  // namespace
 
 void EvaluateBoxSpline(double u, double v, Derivatives derivatives, BoxSplineWeights* weights) {
-  const Powers powers[3] = {Powers(1 - u - v), Powers(u), Powers(v)};
-  // d(1 - u - v, u, v) / du and / dv, per corner.
-  constexpr double kDu[3] = {-1, 1, 0}, kDv[3] = {-1, 0, 1};
+  const Variable corners[3] = {{1 - u - v, -1, -1}, {u, 1, 0}, {v, 0, 1}};
+  const int count = JetCount(derivatives);
+  if (count < kJetSize) weights->fill(JetWeights{});
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    const Powers &a = powers[i], &b = powers[j], &c = powers[k];
-    const Eigen::Vector3d du(kDu[i], kDu[j], kDu[k]), dv(kDv[i], kDv[j], kDv[k]);
-    const Eigen::Vector3d du_kj(kDu[i], kDu[k], kDu[j]), dv_kj(kDv[i], kDv[k], kDv[j]);
-    (*weights)[i] = Chain(Evaluate(kCorner, a, b, c, derivatives), du, dv);
-    (*weights)[3 + i] = Chain(Evaluate(kAcross, a, b, c, derivatives), du, dv);
+    const Variable &a = corners[i], &b = corners[j], &c = corners[k];
+    const Variable bc_sum = b + c, bc = b * c, ab_sum = a + b, ab = a * b;
+    Chain(Corner(bc_sum.value, bc.value), bc_sum, bc, count, &(*weights)[i]);
+    Chain(Across(ab_sum.value, ab.value), ab_sum, ab, count, &(*weights)[3 + i]);
     // Counter-clockwise, the ring of corner i runs on from corner k's side to corner j's.
-    (*weights)[6 + 2 * i] = Chain(Evaluate(kBehind, a, c, b, derivatives), du_kj, dv_kj);
-    (*weights)[7 + 2 * i] = Chain(Evaluate(kBehind, a, b, c, derivatives), du, dv);
+    Chain(Behind(a.value, c.value), a, c, count, &(*weights)[6 + 2 * i]);
+    Chain(Behind(a.value, b.value), a, b, count, &(*weights)[7 + 2 * i]);
   }
 }
 

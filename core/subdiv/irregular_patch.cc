@@ -209,8 +209,7 @@ void IrregularPatch::CarryBack(int count, const PatchWeights& fine, PatchWeights
   side(sharp_q_, q(), p(), sharp_q_ ? kNoPoint : b(), outer(kY2), outer(kY1));
 }
 
-// Limit masks: Loop's for a smooth vertex, those of [hoppe1994] on creases; a corner's tangents are
-// the edges of the triangle.
+// Limit masks: Loop's for a smooth vertex, the curve's on creases.
 void IrregularPatch::AtVertex(Derivatives derivatives, PatchWeights* weights) const {
   PatchWeights& w = *weights;
   const int m = ring_size_;
@@ -230,26 +229,12 @@ void IrregularPatch::AtVertex(Derivatives derivatives, PatchWeights* weights) co
   if (derivatives == Derivatives::kNone) return;
 
   if (rule_ == VertexRule::kCorner) {
-    w[p()][1] = w[q()][2] = 1;
+    // Of one or two triangles: the sharp edges. More have no tangent plane.
+    const bool is_narrow = m <= 3;
+    w[is_narrow ? 1 : p()][1] = w[is_narrow ? m : q()][2] = 1;
     w[0][1] = w[0][2] = -1;
   } else if (rule_ == VertexRule::kCrease) {
-    w[1][1] = 1;  // along the crease
-    w[m][1] = -1;
-    // Across it. With s = 3 triangles the vertex is regular.
-    const int s = m - 1;
-    if (s == 1) {
-      w[1][2] = w[2][2] = 1;
-      w[0][2] = -2;
-    } else if (s == 2) {
-      w[2][2] = 1;
-      w[0][2] = -1;
-    } else {
-      const double theta = kPi / s;
-      w[1][2] = w[m][2] = -std::sin(theta);
-      for (int k = 1; k < s; ++k) {
-        w[1 + k][2] = (2 - 2 * std::cos(theta)) * std::sin(k * theta);
-      }
-    }
+    AddCreaseTangents(weights);
   } else if (dart_ >= 0) {
     AddDartTangents(weights);
   } else {
@@ -262,6 +247,37 @@ void IrregularPatch::AtVertex(Derivatives derivatives, PatchWeights* weights) co
   for (JetWeights& point : w) {
     std::fill(point.begin() + 3, point.end(), std::numeric_limits<double>::quiet_NaN());
   }
+}
+
+// Left eigenvectors of the refinement of v and its ring e_0 .. e_s, s triangles on this side. Those
+// about the curve alone: e_0 - e_s with eigenvalue 1/2 and e_0 - 2 v + e_s with 1/4. Those about
+// the inside, j = 1, 2, ...: sin(j k pi / s) at e_k, with eigenvalue 3/8 + cos(j pi / s) / 4 and
+// what follows for v and the ends. The two largest eigenvalues count: from 7 triangles on, j = 2
+// comes before the curve. (The mask of [hoppe1994] across a crease belongs to other rules of
+// refinement.)
+void IrregularPatch::AddCreaseTangents(PatchWeights* weights) const {
+  PatchWeights& w = *weights;
+  const int m = ring_size_, s = m - 1;
+  const double theta = kPi / s;
+  if (s <= 6) {
+    w[1][1] = 1;
+    w[m][1] = -1;
+  } else {
+    w[1][1] = std::sin(2 * theta) / (2 * std::cos(2 * theta) - 1);
+    w[m][1] = -w[1][1];
+    for (int k = 1; k < s; ++k) w[1 + k][1] = std::sin(2 * k * theta);
+  }
+  if (s == 1) {
+    w[1][2] = w[2][2] = 1;
+    w[0][2] = -2;
+    return;
+  }
+  const double lambda = 3.0 / 8 + std::cos(theta) / 4;
+  const double end = (3.0 / 8 / std::tan(theta / 2) + (lambda - 0.75) * std::sin(theta)) /
+                     (8 * (lambda - 1) * (lambda - 0.25));
+  w[1][2] = w[m][2] = end;
+  w[0][2] = 8 * (lambda - 0.5) * end - std::sin(theta);
+  for (int k = 1; k < s; ++k) w[1 + k][2] = std::sin(k * theta);
 }
 
 // Across the crease nothing differs from a smooth vertex. Along it, the left eigenvector of the

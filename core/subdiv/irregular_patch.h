@@ -57,6 +57,7 @@ class IrregularPatch {
   static constexpr double kVertexRadius = 1e-14;  // below it a double has lost the direction from v
 
   void AtVertex(Derivatives derivatives, PatchWeights* weights) const;
+  void AddCreaseTangents(PatchWeights* weights) const;
   void AddDartTangents(PatchWeights* weights) const;
   // Adds the weights of the child's 12 points to those of the refined patch's points (`fine`) and,
   // for points beyond these, to those of the patch's own (`coarse`).

@@ -1,5 +1,7 @@
 #include "tests/support/shapes.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -157,6 +159,22 @@ TriangleMesh Tube(int around, int along, double radius, double length) {
   return mesh;
 }
 
+TriangleMesh Bipyramid(int around) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, around + 2);
+  mesh.vertices.col(0) << 0, 0, 1;
+  mesh.vertices.col(1) << 0, 0, -1;
+  mesh.triangles.resize(3, 2 * around);
+  for (int k = 0; k < around; ++k) {
+    const double angle = 2 * kPi * k / around;
+    const int a = 2 + k, b = 2 + (k + 1) % around;
+    mesh.vertices.col(a) << std::cos(angle), std::sin(angle), 0.1 * (k % 3);
+    mesh.triangles.col(2 * k) << 0, a, b;
+    mesh.triangles.col(2 * k + 1) << 1, b, a;
+  }
+  return mesh;
+}
+
 TriangleMesh MixedValences(uint32_t seed) {
   TriangleMesh mesh = Icosphere(2);
   Triangles& triangles = mesh.triangles;
@@ -182,6 +200,120 @@ TriangleMesh MixedValences(uint32_t seed) {
     mesh.vertices.data()[k] += 0.02 * (random() / 4294967296.0 - 0.5);
   }
   return mesh;
+}
+
+namespace {
+
+// Raises the valences of the first vertices of a sphere to `targets` by flips that keep every
+// triangle facing outwards and every edge between two of these vertices.
+class HubMaker {
+ public:
+  HubMaker(TriangleMesh mesh, std::vector<int> targets)
+      : mesh_(std::move(mesh)), targets_(std::move(targets)), valence_(mesh_.vertices.cols(), 0) {
+    for (Eigen::Index k = 0; k < mesh_.triangles.size(); ++k) ++valence_[mesh_.triangles.data()[k]];
+  }
+
+  TriangleMesh Make() {
+    for (int round = 0; round < 200 && !IsDone(); ++round) {
+      for (int tries = 0; tries < 20000; ++tries) TryFlip();
+      for (int v = 0; v < mesh_.vertices.cols(); ++v) MoveToMiddle(v);
+    }
+    return mesh_;
+  }
+
+ private:
+  bool IsHub(int v) const { return v < static_cast<int>(targets_.size()); }
+  bool IsFull(int v) const { return IsHub(v) && valence_[v] >= targets_[v]; }
+  bool IsDone() const {
+    for (size_t v = 0; v < targets_.size(); ++v) {
+      if (valence_[v] != targets_[v]) return false;
+    }
+    return true;
+  }
+  bool FacesOutwards(int a, int b, int c) const {
+    const Points3d& V = mesh_.vertices;
+    return V.col(a).dot(V.col(b).cross(V.col(c))) > 1e-5;
+  }
+
+  // Edge a-b of triangles (a b c) and (b a d) becomes c-d where that serves the hub c, or, between
+  // ordinary vertices, where it evens out the valences.
+  void TryFlip() {
+    Triangles& triangles = mesh_.triangles;
+    const Eigen::Index f = random_() % triangles.cols();
+    const int corner = static_cast<int>(random_() % 3);
+    const int a = triangles(corner, f), b = triangles((corner + 1) % 3, f),
+              c = triangles((corner + 2) % 3, f);
+    if ((IsHub(a) && IsHub(b)) || valence_[a] == 3 || valence_[b] == 3 || IsFull(c)) return;
+    Eigen::Index g = 0;
+    while (CornerAfter(triangles, g, b) != a) ++g;
+    const int d = CornerAfter(triangles, g, a);
+    if (IsFull(d)) return;
+    const bool helps_hub = (IsHub(c) || IsHub(d)) && !IsHub(a) && !IsHub(b);
+    const bool evens = valence_[c] + valence_[d] + 2 < valence_[a] + valence_[b];
+    if (IsHub(a) || IsHub(b) || !(helps_hub || evens)) return;
+    if (!FacesOutwards(a, d, c) || !FacesOutwards(b, c, d) || Adjacent(triangles, c, d)) return;
+    triangles.col(f) << a, d, c;
+    triangles.col(g) << b, c, d;
+    --valence_[a], --valence_[b], ++valence_[c], ++valence_[d];
+  }
+
+  // Of its ring, unless a triangle would turn over.
+  void MoveToMiddle(int v) {
+    Points3d& V = mesh_.vertices;
+    const Eigen::Vector3d old = V.col(v);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    std::vector<Eigen::Index> around;
+    for (Eigen::Index f = 0; f < mesh_.triangles.cols(); ++f) {
+      const int next = CornerAfter(mesh_.triangles, f, v);
+      if (next < 0) continue;
+      around.push_back(f);
+      sum += V.col(next);
+    }
+    V.col(v) = sum.normalized();
+    for (const Eigen::Index f : around) {
+      const auto t = mesh_.triangles.col(f);
+      if (!FacesOutwards(t(0), t(1), t(2))) V.col(v) = old;
+    }
+  }
+
+  TriangleMesh mesh_;
+  std::vector<int> targets_, valence_;
+  std::mt19937 random_{1};
+};
+
+}  // namespace
+
+TriangleMesh TouchingHubs() {
+  // A strip of triangles: each hub is the other common neighbour of the two before it.
+  TriangleMesh mesh = Icosphere(3);
+  std::vector<int> order = {mesh.triangles(0, 300), mesh.triangles(1, 300)};
+  while (order.size() < 14) {
+    const int a = order[order.size() - 2], b = order.back();
+    const int before = order.size() > 2 ? order[order.size() - 3] : -1;
+    for (Eigen::Index f = 0; f < mesh.triangles.cols(); ++f) {
+      const int next = CornerAfter(mesh.triangles, f, b);
+      const bool is_beside = next == a || CornerAfter(mesh.triangles, f, a) == b;
+      if (!is_beside || next < 0 || CornerAfter(mesh.triangles, f, a) < 0) continue;
+      const int third = mesh.triangles.col(f).sum() - a - b;
+      if (third == before) continue;
+      order.push_back(third);
+      break;
+    }
+  }
+  std::vector<int> number(mesh.vertices.cols(), -1);
+  for (size_t k = 0; k < order.size(); ++k) number[order[k]] = static_cast<int>(k);
+  auto next = static_cast<int>(order.size());
+  for (int& k : number) {
+    if (k < 0) k = next++;
+  }
+  Points3d V = mesh.vertices;
+  for (Eigen::Index v = 0; v < V.cols(); ++v) mesh.vertices.col(number[v]) = V.col(v);
+  for (Eigen::Index k = 0; k < mesh.triangles.size(); ++k) {
+    mesh.triangles.data()[k] = number[mesh.triangles.data()[k]];
+  }
+  std::vector<int> targets;
+  for (int k = 0; k < 14; ++k) targets.push_back(7 + (5 * k) % 14);
+  return HubMaker(std::move(mesh), targets).Make();
 }
 
 }  // namespace cagefit::testing

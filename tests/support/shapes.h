@@ -26,9 +26,17 @@ TriangleMesh Torus(int around, int across, double major_radius = 1, double minor
 // Cylinder barrel around the z axis from z = 0 to `length`, open at both ends: two boundary loops.
 TriangleMesh Tube(int around, int along, double radius = 1, double length = 2);
 
+// Two vertices of valence `around` (3 or more), 0 and 1, above and below a ring of valence 4.
+TriangleMesh Bipyramid(int around);
+
 // Closed genus-0 mesh of 162 vertices whose valences cover 3 to 12: an icosphere with edges flipped
 // at random and its vertices moved a little.
 TriangleMesh MixedValences(uint32_t seed = 1);
+
+// Closed genus-0 mesh of 642 vertices whose valences cover 3 to 20, by flips on a sphere around the
+// origin, onto which it projects without overlap. Vertices 0 to 13 have valences 7 to 20 and form a
+// strip of triangles: each touches two to four others.
+TriangleMesh TouchingHubs();
 
 }  // namespace cagefit::testing
 

@@ -29,6 +29,15 @@ TEST(AreaSamplerTest, LargerTrianglesAreDrawnMoreOften) {
   EXPECT_LT((weights.array() - 1.0 / 3).abs().maxCoeff(), 0.01);
 }
 
+TEST(AreaSamplerTest, SharesOfTheAreaNameTheTriangle) {
+  const AreaSampler sampler(kVertices, kTriangles);
+  Random random(7);
+  EXPECT_EQ(sampler.DrawAt(0, &random).triangle, 0);
+  EXPECT_EQ(sampler.DrawAt(0.0999, &random).triangle, 0);
+  EXPECT_EQ(sampler.DrawAt(0.1001, &random).triangle, 1);
+  EXPECT_EQ(sampler.DrawAt(1, &random).triangle, 1);
+}
+
 TEST(AreaSamplerTest, KnowsWhereThereIsNoArea) {
   EXPECT_FALSE(AreaSampler(Points3d::Zero(3, 6), kTriangles).has_area());
   EXPECT_FALSE(AreaSampler(kVertices, Triangles(3, 0)).has_area());

@@ -8,10 +8,12 @@
 
 #include "core/subdiv/limit.h"
 #include "tests/core/subdiv/subdiv_samples.h"
+#include "tests/core/subdiv/surface_samples.h"
 
 namespace cagefit {
 namespace {
 
+using testing::RandomSurfacePoints;
 using testing::SubdivSample;
 using testing::SubdivSamples;
 
@@ -46,18 +48,6 @@ std::vector<SurfacePoint> FinePoints(const Topology& topology, const Triangles& 
     }
   }
   EXPECT_EQ(points.size(), 3u * per_face * topology.triangle_count());
-  return points;
-}
-
-std::vector<SurfacePoint> RandomPoints(const Topology& topology, int count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<SurfacePoint> points;
-  for (int k = 0; k < count; ++k) {
-    double u = unit(random), v = unit(random);
-    if (u + v > 1) u = 1 - u, v = 1 - v;
-    points.push_back({static_cast<int32_t>(random() % topology.triangle_count()), u, v});
-  }
   return points;
 }
 
@@ -96,7 +86,7 @@ TEST(LimitSurfaceTest, RowsSumToOneAndThoseOfDerivativesToZero) {
     SCOPED_TRACE(sample.name);
     const LimitSurface surface(sample.topology, sample.tags);
     const auto stencils =
-        surface.Stencils(RandomPoints(sample.topology, 500, 7), Derivatives::kSecond);
+        surface.Stencils(RandomSurfacePoints(sample.topology, 500, 7), Derivatives::kSecond);
     ASSERT_TRUE(stencils.ok()) << stencils.status();
     const auto worst = [&](const StencilMatrix& S, double sum) {
       return (S * Eigen::VectorXd::Ones(S.cols()) - Eigen::VectorXd::Constant(S.rows(), sum))
@@ -118,7 +108,7 @@ TEST(LimitSurfaceTest, DerivativesAreThoseOfFiniteDifferences) {
     Points3d control_points;
     surface.ControlPoints(sample.V, &control_points);
     const double diagonal = BoundingBox(sample.V).diagonal();
-    for (const SurfacePoint& p : RandomPoints(sample.topology, 300, 11)) {
+    for (const SurfacePoint& p : RandomSurfacePoints(sample.topology, 300, 11)) {
       // Within one box spline, away from its edges.
       const double w = 1 - p.u - p.v;
       if (std::min({p.u, p.v, w, std::abs(p.u - 0.5), std::abs(p.v - 0.5), std::abs(w - 0.5)}) <

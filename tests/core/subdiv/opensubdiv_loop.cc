@@ -1,20 +1,18 @@
 #include "tests/core/subdiv/opensubdiv_loop.h"
 
 #include <opensubdiv/far/primvarRefiner.h>
-#include <opensubdiv/far/topologyDescriptor.h>
-#include <opensubdiv/far/topologyRefinerFactory.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "core/subdiv/refine.h"
+#include "tests/core/subdiv/opensubdiv_mesh.h"
 
 namespace cagefit::testing {
 
 namespace {
 
 namespace Far = OpenSubdiv::Far;
-namespace Sdc = OpenSubdiv::Sdc;
 
 struct Point {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -26,25 +24,7 @@ using Points = std::vector<Point>;
 std::unique_ptr<Far::TopologyRefiner> CreateRefiner(int32_t vertex_count,
                                                     const Triangles& triangles,
                                                     const CreaseTags& tags, int depth) {
-  const std::vector<int> sizes(triangles.cols(), 3);
-  const std::vector<float> sharp(std::max(tags.edges.size(), tags.corners.size()),
-                                 Sdc::Crease::SHARPNESS_INFINITE);
-  Far::TopologyDescriptor mesh;
-  mesh.numVertices = vertex_count;
-  mesh.numFaces = static_cast<int>(triangles.cols());
-  mesh.numVertsPerFace = sizes.data();
-  mesh.vertIndicesPerFace = triangles.data();
-  mesh.numCreases = static_cast<int>(tags.edges.size());
-  mesh.creaseVertexIndexPairs = tags.edges.empty() ? nullptr : tags.edges.front().data();
-  mesh.creaseWeights = sharp.data();
-  mesh.numCorners = static_cast<int>(tags.corners.size());
-  mesh.cornerVertexIndices = tags.corners.data();
-  mesh.cornerWeights = sharp.data();
-  Sdc::Options scheme;
-  scheme.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
-  using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-  std::unique_ptr<Far::TopologyRefiner> refiner(
-      Factory::Create(mesh, Factory::Options(Sdc::SCHEME_LOOP, scheme)));
+  std::unique_ptr<Far::TopologyRefiner> refiner = OpenSubdivMesh(vertex_count, triangles, tags);
   Far::TopologyRefiner::UniformOptions options(depth);
   options.fullTopologyInLastLevel = true;  // limit masks ask for it
   refiner->RefineUniform(options);

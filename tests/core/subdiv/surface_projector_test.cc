@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/core/subdiv/subdiv_samples.h"
+#include "tests/core/subdiv/surface_samples.h"
 #include "tests/support/data.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/shapes.h"
@@ -17,6 +18,7 @@
 namespace cagefit {
 namespace {
 
+using testing::RandomSurfacePoints;
 using testing::SubdivSample;
 using testing::SubdivSamples;
 using testing::TopologyOf;
@@ -56,18 +58,6 @@ Points3d PointsIn(const Box& box, double margin, int count, unsigned seed) {
     X.col(k) = box.min + t.cwiseProduct(box.size());
   }
   return X;
-}
-
-std::vector<SurfacePoint> PointsOn(const Topology& topology, int count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<SurfacePoint> points;
-  for (int k = 0; k < count; ++k) {
-    double u = unit(random), v = unit(random);
-    if (u + v > 1) u = 1 - u, v = 1 - v;
-    points.push_back({static_cast<int32_t>(random() % topology.triangle_count()), u, v});
-  }
-  return points;
 }
 
 // The limit mesh of `levels` refinements; its vertices lie on the surface.
@@ -196,7 +186,7 @@ TEST(SurfaceProjectorTest, FeetOnAFlatSurfaceAreStraightBelow) {
     flat.V.col(k) += Eigen::Vector3d(uniform(random), uniform(random), 0);
   }
   const Projected p(flat);
-  for (const SurfacePoint& at : PointsOn(flat.topology, 2000, 9)) {
+  for (const SurfacePoint& at : RandomSurfacePoints(flat.topology, 2000, 9)) {
     const Eigen::Vector3d q = p.At(at).position;
     for (const double height : {0.0, 0.1, -3.0, 1000.0}) {
       const SurfaceFoot foot =
@@ -210,7 +200,7 @@ TEST(SurfaceProjectorTest, FeetOnAFlatSurfaceAreStraightBelow) {
 
 // Random points, corners, edges and places close to corners.
 std::vector<SurfacePoint> ManyPointsOn(const Topology& topology, int count, unsigned seed) {
-  std::vector<SurfacePoint> points = PointsOn(topology, count, seed);
+  std::vector<SurfacePoint> points = RandomSurfacePoints(topology, count, seed);
   for (int32_t f = 0; f < topology.triangle_count(); ++f) {
     points.insert(points.end(), {{f, 0, 0}, {f, 1, 0}, {f, 0.5, 0.5}, {f, 1e-7, 2e-7}});
   }
@@ -334,7 +324,7 @@ TEST(LimitSurfaceTest, PositionRowsAndTheRefinementGiveTheStencils) {
   for (const SubdivSample& sample : SubdivSamples()) {
     SCOPED_TRACE(sample.name);
     const LimitSurface surface(sample.topology, sample.tags);
-    const std::vector<SurfacePoint> points = PointsOn(sample.topology, 200, 14);
+    const std::vector<SurfacePoint> points = RandomSurfacePoints(sample.topology, 200, 14);
     const auto stencils = surface.Stencils(points, Derivatives::kNone);
     ASSERT_TRUE(stencils.ok());
     const Eigen::MatrixXd S = stencils->position, R = surface.refinement();
