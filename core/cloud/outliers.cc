@@ -20,8 +20,6 @@ constexpr int kSurfaceNeighbors = 20;
 constexpr double kSurfaceReach = 2;  // in r
 constexpr double kFlat = 0.08;       // residual of the plane per distance of the farthest
 constexpr double kOffPlane = 3;      // of the point itself, in residuals
-constexpr int kClump = 5;
-constexpr double kClumpReach = 0.2;  // an even surface: 0.5
 constexpr double kSparserThanNeighbors = 2;
 
 using Scratch = std::vector<std::pair<float, int32_t>>;  // squared distance, sorted index
@@ -132,20 +130,11 @@ bool LiesInPlane(const CellGrid& grid, int64_t i, const Scratch& nearest) {
   return residual < kFlat * farthest && off_plane < allowed;
 }
 
-// True when the points nearest to another are a clump, with the others far off.
-bool IsClump(Scratch* nearest) {
-  const auto inner = nearest->begin() + kClump;
-  std::nth_element(nearest->begin(), inner, nearest->end());
-  return std::sqrt(static_cast<double>(inner->first)) < kClumpReach * Farthest(*nearest);
-}
-
 bool IsSparseSurface(const CellGrid& grid, int64_t i, double reach, Scratch* nearest,
                      Scratch* second) {
   const double farthest_reach = kSurfaceReach * reach;
   Nearest(grid, i, kSurfaceNeighbors + 1, farthest_reach, nearest);
-  if (nearest->size() < kSurfaceNeighbors + 1 || IsClump(nearest) ||
-      !LiesInPlane(grid, i, *nearest))
-    return false;
+  if (nearest->size() < kSurfaceNeighbors + 1 || !LiesInPlane(grid, i, *nearest)) return false;
   const double own = Farthest(*nearest);
   int sparse = 0;
   for (const auto& [squared, j] : *nearest) {

@@ -29,6 +29,7 @@ double Estimate(const PointCloud& cloud) {
 TEST(NoiseTest, IsNoneOnCleanSurfaces) {
   EXPECT_LT(Estimate(SphereCloud()), 1e-6);
   EXPECT_LT(Estimate(TorusCloud()), 1e-5);
+  EXPECT_LT(Estimate(CloudFromMesh(testing::Torus(60, 20))), 1e-5);
 }
 
 TEST(NoiseTest, IsNoneOnAPlaneWithHolesAndBorders) {
