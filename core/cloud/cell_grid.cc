@@ -26,6 +26,7 @@ int32_t CellGrid::FindOrInsert(uint64_t key) {
 
 void CellGrid::Build(const PointCloud& cloud, double cell) {
   const int64_t count = cloud.size();
+  const bool oriented = cloud.has_normals();
   const Box box = BoundingBox(cloud.points);
   // A grid finer than a millionth of the box would not pack into keys; such a cell is useless
   // anyhow.
@@ -46,7 +47,7 @@ void CellGrid::Build(const PointCloud& cloud, double cell) {
 
   int64_t kept = 0;
   for (int64_t i = 0; i < count; ++i) {
-    if (!(cloud.normals.col(i).squaredNorm() > kMinSquaredNormal)) {
+    if (oriented && !(cloud.normals.col(i).squaredNorm() > kMinSquaredNormal)) {
       cell_of_point_[i] = -1;
       continue;
     }
@@ -67,11 +68,14 @@ void CellGrid::Build(const PointCloud& cloud, double cell) {
   size_ = kept;
   stride_ = kept + kPadding;
   coordinates_.assign(6 * stride_, 0.0f);
+  source_.resize(kept);
   float* const out = coordinates_.data();
   for (int64_t i = 0; i < count; ++i) {
     if (cell_of_point_[i] < 0) continue;
     const int32_t at = cell_begin_[cell_of_point_[i]]++;
-    const Eigen::Vector3f normal = cloud.normals.col(i).normalized();
+    source_[at] = static_cast<int32_t>(i);
+    const Eigen::Vector3f normal =
+        oriented ? cloud.normals.col(i).normalized() : Eigen::Vector3f::Zero();
     for (int axis = 0; axis < 3; ++axis) {
       out[axis * stride_ + at] = cloud.points(axis, i);
       out[(3 + axis) * stride_ + at] = normal[axis];

@@ -19,8 +19,8 @@ namespace cagefit {
 // points in them depends on the cloud alone.
 class CellGrid {
  public:
-  // Sorts `cloud` (with normals) into cells of the given size > 0. Points whose normal has no
-  // direction are left out. Buffers keep their capacity.
+  // Sorts `cloud` into cells of the given size > 0. Points whose normal has no direction are left
+  // out; of a cloud without normals none is, and normal() is 0. Buffers keep their capacity.
   void Build(const PointCloud& cloud, double cell);
 
   // Calls visit(begin, end) for each run of sorted points that may hold points within `radius` of
@@ -53,6 +53,17 @@ class CellGrid {
 
   int64_t size() const { return size_; }
   double cell() const { return cell_; }
+  // Diagonal of the cloud's bounding box, rounded up to whole cells.
+  double diagonal() const { return (last_cell_ + 1).matrix().norm() * cell_; }
+
+  // Index in the cloud of sorted point i.
+  int32_t source(int64_t i) const { return source_[i]; }
+  Eigen::Vector3f point_at(int64_t i) const { return {point(0)[i], point(1)[i], point(2)[i]}; }
+  Eigen::Vector3f normal_at(int64_t i) const { return {normal(0)[i], normal(1)[i], normal(2)[i]}; }
+
+  // Occupied cells; the sorted points of cell c are cell_begin(c) to cell_begin(c + 1).
+  int64_t cells() const { return static_cast<int64_t>(cell_begin_.size()) - 1; }
+  int32_t cell_begin(int64_t c) const { return cell_begin_[c]; }
 
   // Coordinate `axis` of the sorted points. Readable up to kPadding entries behind the last.
   const float* point(int axis) const { return coordinates_.data() + axis * stride_; }
@@ -90,6 +101,7 @@ class CellGrid {
   int hash_shift_ = 0;
   std::vector<int32_t> cell_begin_;     // cells + 1
   std::vector<int32_t> cell_of_point_;  // input order; -1: left out
+  std::vector<int32_t> source_;
   int64_t size_ = 0, stride_ = 0;
   std::vector<float> coordinates_;  // x, y, z, nx, ny, nz, each of stride_ entries
 };

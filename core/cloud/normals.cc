@@ -9,7 +9,9 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/parallel.h"
+#include "core/cloud/cell_grid.h"
 #include "core/cloud/kd_tree.h"
+#include "core/cloud/noise.h"
 
 namespace cagefit {
 
@@ -30,7 +32,12 @@ std::vector<int32_t> NeighborGraph(const PointCloud& cloud, int k) {
   return neighbors;
 }
 
-Eigen::Vector3f LeastVariance(const PointCloud& cloud, const int32_t* neighbors, int k) {
+Eigen::Vector3f LeastVariance(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  return eigen.eigenvectors().col(0).cast<float>();
+}
+
+Eigen::Vector3f NormalOfNeighbors(const PointCloud& cloud, const int32_t* neighbors, int k) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (int j = 0; j < k; ++j) mean += cloud.points.col(neighbors[j]).cast<double>();
   mean /= k;
@@ -39,8 +46,65 @@ Eigen::Vector3f LeastVariance(const PointCloud& cloud, const int32_t* neighbors,
     const Eigen::Vector3d d = cloud.points.col(neighbors[j]).cast<double>() - mean;
     covariance += d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
-  return eigen.eigenvectors().col(0).cast<float>();
+  return LeastVariance(covariance);
+}
+
+// The same of the points within `radius`, those at the rim counting less.
+Eigen::Vector3f NormalOfBall(const CellGrid& grid, const Eigen::Vector3d& x, double radius) {
+  const double inverse_square = 1 / (radius * radius);
+  double weights = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  grid.ForEachRun(x, radius, [&](int32_t begin, int32_t end) {
+    for (int32_t j = begin; j < end; ++j) {
+      const Eigen::Vector3d d = grid.point_at(j).cast<double>() - x;
+      const double weight = 1 - d.squaredNorm() * inverse_square;
+      if (weight <= 0) continue;
+      weights += weight;
+      sum += weight * d;
+      squares += (weight * d) * d.transpose();
+    }
+  });
+  return LeastVariance(squares - sum * sum.transpose() / weights);
+}
+
+// Radius at which the plane of a ball stands out of the noise; 0 where the nearest neighbours will
+// do. Of N points within r, pi N = a r^2, the plane is off by about 2 sigma / (r sqrt(N)) rad.
+double RadiusForNoise(const PointCloud& cloud, const std::vector<int32_t>& neighbors, int k) {
+  constexpr int64_t kSamples = 1000;
+  constexpr double kTolerable = 0.05;   // rad
+  constexpr double kLeastInSigmas = 4;  // below, the ball cuts the noise off and is round
+  constexpr double kWorthwhile = 1.2;   // in distances to the k-th neighbour
+  std::vector<float> distances;
+  for (int64_t i = 0; i < cloud.size(); i += std::max<int64_t>(1, cloud.size() / kSamples)) {
+    distances.push_back((cloud.points.col(neighbors[i * k + k - 1]) - cloud.points.col(i)).norm());
+  }
+  const auto middle = distances.begin() + static_cast<int64_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  const double reach = *middle;
+  if (!(reach > 0)) return 0;
+  CellGrid grid;
+  grid.Build(cloud, 2 * reach);
+  const double sigma = EstimateNoise(grid).sigma;
+  const double radius =
+      std::max(std::sqrt(2 * sigma * reach / (kTolerable * std::sqrt(k))), kLeastInSigmas * sigma);
+  return radius > kWorthwhile * reach ? radius : 0;
+}
+
+// Every s-th point, so many that a ball of `radius` holds some hundreds.
+PointCloud Thinned(const PointCloud& cloud, double radius) {
+  constexpr int64_t kBalls = 64, kMostInBall = 400;
+  int64_t inside = 0;
+  for (int64_t b = 0; b < kBalls; ++b) {
+    const Eigen::Vector3f x = cloud.points.col(b * cloud.size() / kBalls);
+    const float squared = static_cast<float>(radius * radius);
+    inside += ((cloud.points.colwise() - x).colwise().squaredNorm().array() < squared).count();
+  }
+  const int64_t stride = std::max<int64_t>(1, inside / (kBalls * kMostInBall));
+  PointCloud thin;
+  thin.points.resize(3, (cloud.size() + stride - 1) / stride);
+  for (int64_t i = 0; i < thin.size(); ++i) thin.points.col(i) = cloud.points.col(i * stride);
+  return thin;
 }
 
 // Propagates signs along a minimum spanning tree (Prim) of the part that holds `seed` and returns
@@ -128,10 +192,16 @@ absl::Status EstimateNormals(const NormalOptions& options, PointCloud* cloud) {
         "points: %d; normals from %d neighbours need at least as many", cloud->size(), k));
   }
   const std::vector<int32_t> neighbors = NeighborGraph(*cloud, k);
+  cloud->normals.resize(3, 0);
+  const double radius = RadiusForNoise(*cloud, neighbors, k);
+  CellGrid grid;
+  if (radius > 0) grid.Build(Thinned(*cloud, radius), radius);
   cloud->normals.resize(3, cloud->size());
-  ParallelFor(cloud->size(), 1024, [&](int64_t begin, int64_t end) {
+  ParallelFor(cloud->size(), 256, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
-      cloud->normals.col(i) = LeastVariance(*cloud, &neighbors[i * k], k);
+      cloud->normals.col(i) = radius > 0
+                                  ? NormalOfBall(grid, cloud->points.col(i).cast<double>(), radius)
+                                  : NormalOfNeighbors(*cloud, &neighbors[i * k], k);
     }
   });
   if (options.sensor.has_value()) {

@@ -15,11 +15,12 @@ struct NormalOptions {
       sensor;  // orient towards this position; otherwise consistently, outwards
 };
 
-// Writes cloud->normals: the direction of least variance among the nearest neighbours (PCA),
-// oriented towards the sensor, or by propagation along a minimum spanning tree of the neighbour
-// graph with weights 1 - |n_i . n_j| [hoppe1992], each connected part outwards: by the sign of its
-// enclosed volume or, where it encloses none, by its topmost point. INVALID_ARGUMENT when there are
-// fewer points than neighbours.
+// Writes cloud->normals: the direction of least variance among the nearest neighbours (PCA), or in
+// balls large enough for the cloud's noise (cloud/noise.h) where that needs more of them; oriented
+// towards the sensor, or by propagation along a minimum spanning tree of the neighbour graph with
+// weights 1 - |n_i . n_j| [hoppe1992], each connected part outwards: by the sign of its enclosed
+// volume or, where it encloses none, by its topmost point. INVALID_ARGUMENT when there are fewer
+// points than neighbours.
 absl::Status EstimateNormals(const NormalOptions& options, PointCloud* cloud);
 
 }  // namespace cagefit

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/core/cloud/spoiled_cloud.h"
 #include "tests/support/shapes.h"
 
 namespace cagefit {
@@ -216,6 +217,25 @@ TEST(EstimateNormalsTest, WorkWithTheFewestAndTheMostNeighbours) {
     EXPECT_EQ(cloud.normals.cols(), cloud.size());
     EXPECT_TRUE(cloud.normals.allFinite());
   }
+}
+
+// Mean angle to the sphere's normals in rad, of a sphere with noise of a share of its diagonal.
+double MeanAngleUnderNoise(double share) {
+  PointCloud cloud = testing::WithNoise(Shuffled(testing::Icosphere(6).vertices), share);
+  EXPECT_TRUE(EstimateNormals({}, &cloud).ok());
+  double sum = 0;
+  for (int64_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d n = cloud.normals.col(i).cast<double>();
+    const double cosine = n.dot(SphereNormal(cloud.points.col(i).cast<double>()));
+    sum += std::acos(std::clamp(cosine, -1.0, 1.0));
+  }
+  return sum / static_cast<double>(cloud.size());
+}
+
+// 16 neighbours see noise alone at 1 %: the mean angle is then 0.8.
+TEST(EstimateNormalsTest, SeeThroughNoiseOfSeveralSpacings) {
+  EXPECT_LT(MeanAngleUnderNoise(0.003), 0.1);
+  EXPECT_LT(MeanAngleUnderNoise(0.01), 0.08);
 }
 
 TEST(EstimateNormalsErrorTest, NamesTheNumberOfNeighbours) {
