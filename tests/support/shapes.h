@@ -26,6 +26,13 @@ TriangleMesh Torus(int around, int across, double major_radius = 1, double minor
 // Cylinder barrel around the z axis from z = 0 to `length`, open at both ends: two boundary loops.
 TriangleMesh Tube(int around, int along, double radius = 1, double length = 2);
 
+// Surface of the cube [0, 1]^3, each face an OpenGrid of `cells` x `cells`.
+TriangleMesh Cube(int cells);
+
+// Closed cylinder around the z axis from z = 0 to `length`: two OpenDisks of `rings` and a barrel
+// of 6 * rings vertices around, 2 * rings cells along.
+TriangleMesh Drum(int rings, double radius = 1, double length = 2);
+
 // Closed genus-0 mesh of 162 vertices whose valences cover 3 to 12: an icosphere with edges flipped
 // at random and its vertices moved a little.
 TriangleMesh MixedValences(uint32_t seed = 1);
