@@ -17,6 +17,7 @@ namespace {
 struct TemplateArguments {
   std::string input, out;
   int32_t vertices = 0;
+  double crease_angle = -1;  // degrees; negative: not given
   std::vector<double> sensor;
 };
 
@@ -26,6 +27,7 @@ absl::StatusOr<ControlMesh> Make(const TemplateArguments& arguments, TemplateRep
   ASSIGN_OR_RETURN(const Geometry geometry, ReadGeometry(arguments.input));
   TemplateOptions options;
   options.vertices = arguments.vertices;
+  if (arguments.crease_angle >= 0) options.crease_angle = arguments.crease_angle;
   if (!geometry.is_cloud()) return TemplateFromMesh(geometry.mesh, options, report);
   PointCloud cloud = ToCloud(geometry);
   RETURN_IF_ERROR(ValidateTarget(cloud));
@@ -55,7 +57,7 @@ int MakeTemplate(const TemplateArguments& arguments) {
   std::cout << arguments.out << ": " << cage->vertex_count() << " control vertices, "
             << cage->triangles().cols() << " triangles, " << report.components_kept
             << (report.components_kept == 1 ? " part, " : " parts, ") << report.boundary_loops
-            << " boundary loops\n";
+            << " boundary loops, " << report.crease_edges << " crease edges\n";
   if (report.components_dropped > 0) {
     std::cerr << "cagefit: left out " << report.components_dropped << " small parts\n";
   }
@@ -81,6 +83,12 @@ void AddTemplateCommand(CLI::App* app, Run* run) {
   command->add_option("--vertices", arguments->vertices, "Control vertices, within 1 %")
       ->required();
   command->add_option("--out", arguments->out, "Control mesh to write (.obj)")->required();
+  command
+      ->add_option(
+          "--crease-angle", arguments->crease_angle,
+          "Degrees from which an edge of a mesh starts a crease; 0: none; default: 40, and "
+          "only where the creases look like a part's")
+      ->check(CLI::Range(0.0, 180.0));
   command
       ->add_option("--sensor", arguments->sensor,
                    "X Y Z: position that normals look at, for a cloud without normals; default: "

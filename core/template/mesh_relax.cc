@@ -62,17 +62,18 @@ bool IsBetterFlipped(const Points3d& V, const Topology& topology, const std::vec
 }
 
 // One pass over all edges; triangles that a flip touched rest until the next pass.
-int FlipEdges(TriangleMesh* mesh) {
+int FlipEdges(const CreaseTags& tags, TriangleMesh* mesh) {
   const absl::StatusOr<Topology> topology =
       Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
   if (!topology.ok()) return 0;
   std::vector<int> valence(topology->vertex_count());
   for (int32_t v = 0; v < topology->vertex_count(); ++v) valence[v] = topology->Valence(v);
-  std::vector<char> touched(topology->vertex_count(), 0);
+  std::vector<char> touched(topology->vertex_count(), 0), crease(topology->edge_count(), 0);
+  for (const auto& [a, b] : tags.edges) crease[topology->FindEdge(a, b)] = 1;
   int flips = 0;
   for (int32_t h = 0; h < 3 * topology->triangle_count(); ++h) {
     const int32_t g = topology->opposite(h);
-    if (g == Topology::kNone || g < h) continue;
+    if (g == Topology::kNone || g < h || crease[topology->triangle_edge(h / 3, h % 3)]) continue;
     const auto at = [&](int32_t half_edge, int k) {
       return topology->triangles()((half_edge + k) % 3, half_edge / 3);
     };
@@ -106,14 +107,17 @@ bool KeepsRing(const Points3d& V, absl::Span<const int32_t> ring, int32_t v,
   return after >= std::min(before, kGoodAngle);
 }
 
-void SlideVertices(const TriangleBvh& surface, TriangleMesh* mesh) {
+void SlideVertices(const TriangleBvh& surface, const CreaseTags& tags, TriangleMesh* mesh) {
   const absl::StatusOr<Topology> topology =
       Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
   if (!topology.ok()) return;
   const Points3d normals = VertexNormals(*mesh);
   const Points3d V = mesh->vertices;
+  std::vector<char> held(topology->vertex_count(), 0);
+  for (const auto& [a, b] : tags.edges) held[a] = held[b] = 1;
+  for (const int32_t v : tags.corners) held[v] = 1;
   for (int32_t v = 0; v < topology->vertex_count(); ++v) {
-    if (topology->IsBoundaryVertex(v)) continue;
+    if (held[v] || topology->IsBoundaryVertex(v)) continue;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     double ring_length = 0;
     for (const int32_t n : topology->Ring(v)) {
@@ -133,11 +137,11 @@ void SlideVertices(const TriangleBvh& surface, TriangleMesh* mesh) {
 
 }  // namespace
 
-void RelaxMesh(const TriangleBvh& surface, int rounds, TriangleMesh* mesh) {
+void RelaxMesh(const TriangleBvh& surface, int rounds, TaggedMesh* tagged) {
   for (int round = 0; round < rounds; ++round) {
-    while (FlipEdges(mesh) > mesh->triangles.cols() / 200) {
+    while (FlipEdges(tagged->tags, &tagged->mesh) > tagged->mesh.triangles.cols() / 200) {
     }
-    SlideVertices(surface, mesh);
+    SlideVertices(surface, tagged->tags, &tagged->mesh);
   }
 }
 

@@ -3,14 +3,15 @@
 #define CAGEFIT_CORE_TEMPLATE_MESH_RELAX_H_
 
 #include "core/mesh/triangle_bvh.h"
-#include "core/mesh/triangle_mesh.h"
+#include "core/template/tagged_mesh.h"
 
 namespace cagefit {
 
 // Flips edges of a manifold mesh where that brings the four valences closer to 6 (4 on a boundary)
 // without turning a triangle or a needle up, and moves interior vertices along the surface towards
-// the middle of their ring, back onto `surface`. `rounds` of both, in turn. Boundary vertices stay.
-void RelaxMesh(const TriangleBvh& surface, int rounds, TriangleMesh* mesh);
+// the middle of their ring, back onto `surface`. `rounds` of both, in turn. Vertices of boundaries
+// and creases stay, and crease edges are not flipped.
+void RelaxMesh(const TriangleBvh& surface, int rounds, TaggedMesh* tagged);
 
 }  // namespace cagefit
 

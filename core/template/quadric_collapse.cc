@@ -1,22 +1,24 @@
 #include "core/template/quadric_collapse.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <queue>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "absl/container/inlined_vector.h"
+
 namespace cagefit {
 
 namespace {
 
-constexpr double kBoundaryWeight =
-    10;  // of the planes that hold the boundary curve, relative to triangle planes
+constexpr double kCurveWeight = 10;  // of the planes that hold boundaries and creases, relative to
+                                     // triangle planes
 constexpr double kVertexWeight = 1e-3;  // of the distance to original vertices
 
 // What a collapse must leave behind. Where the strict rules leave too many vertices, the looser
@@ -67,26 +69,48 @@ struct Candidate {
   double cost;
   int32_t a, b;
   uint32_t stamp_a, stamp_b;
-  Eigen::Vector3d position;
   bool operator>(const Candidate& o) const {
     return std::tie(cost, a, b) > std::tie(o.cost, o.a, o.b);
   }
 };
 
+using IndexList = absl::InlinedVector<int32_t, 8>;
+
+bool Contains(const IndexList& list, int32_t value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
+
+void Erase(int32_t value, IndexList* list) {
+  const auto found = std::find(list->begin(), list->end(), value);
+  if (found != list->end()) list->erase(found);
+}
+
+// How a vertex may move: anywhere, along the boundary or crease that runs through it, or not at all
+// (a corner, or the end of a crease).
+enum class Freedom : char { kSurface, kCurve, kNone };
+
 class Collapser {
  public:
-  explicit Collapser(const TriangleMesh& mesh)
-      : V_(mesh.vertices),
-        T_(mesh.triangles),
-        alive_(mesh.triangles.cols(), 1),
-        faces_(mesh.vertices.cols()),
-        boundary_(mesh.vertices.cols(), 0),
-        stamp_(mesh.vertices.cols(), 0),
-        quadric_(mesh.vertices.cols()),
-        left_(mesh.vertices.cols()) {
+  explicit Collapser(const TaggedMesh& tagged)
+      : V_(tagged.mesh.vertices),
+        T_(tagged.mesh.triangles),
+        alive_(T_.cols(), 1),
+        faces_(V_.cols()),
+        curve_(V_.cols()),
+        blocked_(V_.cols()),
+        freedom_(V_.cols(), Freedom::kSurface),
+        boundary_(V_.cols(), 0),
+        corner_(V_.cols(), 0),
+        stamp_(V_.cols(), 0),
+        quadric_(V_.cols()),
+        left_(V_.cols()),
+        // Far from the origin quadrics would lose their digits.
+        origin_(V_.cols() > 0 ? V_.rowwise().mean().eval() : Eigen::Vector3d::Zero()) {
+    V_.colwise() -= origin_;
     for (int32_t f = 0; f < T_.cols(); ++f) {
       for (int c = 0; c < 3; ++c) faces_[T_(c, f)].push_back(f);
     }
+    FindCurves(tagged.tags);
     AddQuadrics();
     double sum = 0;
     for (int64_t k = 0; k < T_.size(); ++k) {
@@ -97,27 +121,38 @@ class Collapser {
 
   void Run(int64_t vertices, const Rules& rules) {
     rules_ = rules;
-    queue_ = {};
     max_length_ = rules.max_length * mean_edge_;
+    std::vector<Candidate> all;
+    queue_ = {};
+    for (IndexList& list : blocked_) list.clear();
     for (int32_t v = 0; v < V_.cols(); ++v) {
-      for (const int32_t n : Neighbors(v)) {
-        if (n > v) Push(v, n);
+      Neighbors(v, &near_a_);
+      for (const int32_t n : near_a_) {
+        if (n > v) AddCandidate(v, n, &all);
       }
     }
+    queue_ = decltype(queue_)(std::greater<>(), std::move(all));
     while (left_ > vertices && !queue_.empty()) {
       const Candidate top = queue_.top();
       queue_.pop();
       if (top.stamp_a != stamp_[top.a] || top.stamp_b != stamp_[top.b]) continue;
-      if (faces_[top.a].empty() || faces_[top.b].empty()) continue;
-      if (IsLegal(top)) Collapse(top);
+      const Eigen::Vector3d position = Position(top.a, top.b);
+      if (IsLegal(top.a, top.b, position)) {
+        Collapse(top.a, top.b, position);
+      } else {
+        blocked_[top.a].push_back(top.b);
+        blocked_[top.b].push_back(top.a);
+      }
     }
   }
 
-  TriangleMesh Result() const {
-    TriangleMesh out;
+  TaggedMesh Result() const {
+    TaggedMesh out;
     std::vector<int32_t> index(V_.cols(), -1);
-    out.vertices.resize(3, left_);
-    out.triangles.resize(3, std::count(alive_.begin(), alive_.end(), 1));
+    Points3d& V = out.mesh.vertices;
+    Triangles& T = out.mesh.triangles;
+    V.resize(3, left_);
+    T.resize(3, std::count(alive_.begin(), alive_.end(), 1));
     int32_t vertices = 0;
     int64_t triangles = 0;
     for (int32_t f = 0; f < T_.cols(); ++f) {
@@ -126,34 +161,66 @@ class Collapser {
         int32_t& i = index[T_(c, f)];
         if (i < 0) {
           i = vertices++;
-          out.vertices.col(i) = V_.col(T_(c, f));
+          V.col(i) = V_.col(T_(c, f)) + origin_;
         }
-        out.triangles(c, triangles) = i;
+        T(c, triangles) = i;
       }
       ++triangles;
     }
-    out.vertices.conservativeResize(3, vertices);
+    V.conservativeResize(3, vertices);
+    for (int32_t v = 0; v < V_.cols(); ++v) {
+      if (index[v] < 0) continue;
+      for (const int32_t n : curve_[v]) {
+        if (n > v && SharedFaces(v, n) == 2) out.tags.edges.push_back({index[v], index[n]});
+      }
+      if (corner_[v]) out.tags.corners.push_back(index[v]);
+    }
     return out;
   }
 
  private:
   bool Has(int32_t f, int32_t v) const { return T_(0, f) == v || T_(1, f) == v || T_(2, f) == v; }
 
-  std::vector<int32_t> Neighbors(int32_t v) const {
-    std::vector<int32_t> out;
+  // Sorted.
+  void Neighbors(int32_t v, std::vector<int32_t>* out) const {
+    out->clear();
     for (const int32_t f : faces_[v]) {
       for (int c = 0; c < 3; ++c) {
-        if (T_(c, f) != v) out.push_back(T_(c, f));
+        if (T_(c, f) != v) out->push_back(T_(c, f));
       }
     }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
+    std::sort(out->begin(), out->end());
+    out->erase(std::unique(out->begin(), out->end()), out->end());
   }
 
   int SharedFaces(int32_t a, int32_t b) const {
     return static_cast<int>(
         std::count_if(faces_[a].begin(), faces_[a].end(), [&](int32_t f) { return Has(f, b); }));
+  }
+
+  // A vertex inside a manifold mesh has as many neighbours as faces, one on the boundary one more.
+  int Valence(int32_t v) const { return static_cast<int>(faces_[v].size()) + boundary_[v]; }
+
+  void FindCurves(const CreaseTags& tags) {
+    const auto join = [this](int32_t a, int32_t b) {
+      if (Contains(curve_[a], b)) return;
+      curve_[a].push_back(b);
+      curve_[b].push_back(a);
+    };
+    for (int32_t f = 0; f < T_.cols(); ++f) {
+      for (int c = 0; c < 3; ++c) {
+        const int32_t v = T_(c, f), w = T_((c + 1) % 3, f);
+        if (SharedFaces(v, w) > 1) continue;
+        boundary_[v] = boundary_[w] = 1;
+        join(v, w);
+      }
+    }
+    for (const auto& [a, b] : tags.edges) join(a, b);
+    for (const int32_t v : tags.corners) corner_[v] = 1;
+    for (int32_t v = 0; v < V_.cols(); ++v) {
+      if (curve_[v].empty() && !corner_[v]) continue;
+      freedom_[v] = curve_[v].size() == 2 && !corner_[v] ? Freedom::kCurve : Freedom::kNone;
+    }
   }
 
   void AddQuadrics() {
@@ -167,54 +234,61 @@ class Collapser {
         const int32_t v = T_(c, f), w = T_((c + 1) % 3, f);
         quadric_[v].AddPlane(normal, p[c], area / 3);
         quadric_[v].AddPoint(p[c], kVertexWeight * area / 3);
-        if (SharedFaces(v, w) > 1) continue;
-        boundary_[v] = boundary_[w] = 1;
+        if (!Contains(curve_[v], w)) continue;
         const Eigen::Vector3d along = p[(c + 1) % 3] - p[c];
         const Eigen::Vector3d across = along.cross(normal).normalized();
         for (const int32_t end : {v, w}) {
-          quadric_[end].AddPlane(across, p[c], kBoundaryWeight * along.squaredNorm());
+          quadric_[end].AddPlane(across, p[c], kCurveWeight * along.squaredNorm());
         }
       }
     }
   }
 
-  void Push(int32_t a, int32_t b) {
-    if (boundary_[a] && boundary_[b] && SharedFaces(a, b) != 1) return;  // would pinch the surface
-    if ((V_.col(a) - V_.col(b)).norm() > max_length_) return;
+  // Where the vertex that edge (a b) collapses to lies.
+  Eigen::Vector3d Position(int32_t a, int32_t b) const {
+    if (freedom_[a] != freedom_[b]) return V_.col(freedom_[a] > freedom_[b] ? a : b);
     const Quadric q = quadric_[a] + quadric_[b];
-    Candidate candidate{0, a, b, stamp_[a], stamp_[b], Eigen::Vector3d::Zero()};
-    if (boundary_[a] != boundary_[b]) {
-      candidate.position = V_.col(boundary_[a] ? a : b);
-    } else {
-      const Eigen::Vector3d middle = 0.5 * (V_.col(a) + V_.col(b));
-      const double length = (V_.col(a) - V_.col(b)).norm();
-      const Eigen::LDLT<Eigen::Matrix3d> solver(q.A);
-      const Eigen::Vector3d best = solver.solve(q.b);
-      // A nearly singular system throws its solution far away.
-      candidate.position = best.allFinite() && (best - middle).norm() < 2 * length ? best : middle;
-    }
-    candidate.cost = std::max(0.0, q.At(candidate.position));
-    queue_.push(candidate);
+    const Eigen::Vector3d middle = 0.5 * (V_.col(a) + V_.col(b));
+    const Eigen::Vector3d best = q.A.inverse() * q.b;
+    // A nearly singular system throws its solution far away.
+    const double reach = 2 * (V_.col(a) - V_.col(b)).norm();
+    return best.allFinite() && (best - middle).norm() < reach ? best : middle;
   }
 
-  bool IsLegal(const Candidate& e) const {
-    const std::vector<int32_t> near_a = Neighbors(e.a), near_b = Neighbors(e.b);
-    std::vector<int32_t> common, all;
-    std::set_intersection(near_a.begin(), near_a.end(), near_b.begin(), near_b.end(),
-                          std::back_inserter(common));
-    const int shared = SharedFaces(e.a, e.b);
-    if (static_cast<int>(common.size()) != shared) return false;
-    if (boundary_[e.a] && boundary_[e.b] && shared != 1) return false;
-    const int valence = static_cast<int>(near_a.size() + near_b.size() - common.size()) - 2;
-    const bool on_boundary = boundary_[e.a] || boundary_[e.b];
+  // Whether the edge, whatever its neighbourhood, never collapses: it would pinch the surface or
+  // join two curves.
+  bool IsForbidden(int32_t a, int32_t b) const {
+    if (freedom_[a] == Freedom::kSurface || freedom_[b] == Freedom::kSurface) return false;
+    return (freedom_[a] == Freedom::kNone && freedom_[b] == Freedom::kNone) ||
+           !Contains(curve_[a], b);
+  }
+
+  void AddCandidate(int32_t a, int32_t b, std::vector<Candidate>* out) const {
+    if (IsForbidden(a, b) || (V_.col(a) - V_.col(b)).norm() > max_length_) return;
+    const double cost = (quadric_[a] + quadric_[b]).At(Position(a, b));
+    out->push_back({std::max(0.0, cost), a, b, stamp_[a], stamp_[b]});
+  }
+
+  bool IsLegal(int32_t a, int32_t b, const Eigen::Vector3d& position) {
+    Neighbors(a, &near_a_);
+    Neighbors(b, &near_b_);
+    common_.clear();
+    std::set_intersection(near_a_.begin(), near_a_.end(), near_b_.begin(), near_b_.end(),
+                          std::back_inserter(common_));
+    const int shared = SharedFaces(a, b);
+    if (static_cast<int>(common_.size()) != shared) return false;
+    if (boundary_[a] && boundary_[b] && shared != 1) return false;
+    const int valence = static_cast<int>(near_a_.size() + near_b_.size() - common_.size()) - 2;
+    const bool on_boundary = boundary_[a] || boundary_[b];
     if (valence > rules_.max_valence || valence < (on_boundary ? 2 : 3)) return false;
-    for (const int32_t v : common) {
-      const int after = static_cast<int>(Neighbors(v).size()) - 1;
-      if (after < (boundary_[v] ? 2 : 3)) return false;
+    for (const int32_t v : common_) {
+      if (Valence(v) - 1 < (boundary_[v] ? 2 : 3)) return false;
+      // Two curves would fall together.
+      if (Contains(curve_[v], a) && Contains(curve_[v], b)) return false;
     }
     // A boundary loop keeps at least three edges.
-    if (boundary_[e.a] && boundary_[e.b] && valence < 3 && left_ < 5) return false;
-    return KeepsShape(e.a, e.b, e.position) && KeepsShape(e.b, e.a, e.position);
+    if (boundary_[a] && boundary_[b] && valence < 3 && left_ < 5) return false;
+    return KeepsShape(a, b, position) && KeepsShape(b, a, position);
   }
 
   // Triangles of `moved` that stay must not turn over or become needles.
@@ -238,57 +312,79 @@ class Collapser {
     return true;
   }
 
-  static void Erase(int32_t f, std::vector<int32_t>* faces) {
-    faces->erase(std::find(faces->begin(), faces->end(), f));
-  }
-
-  void Collapse(const Candidate& e) {
-    for (const int32_t f : faces_[e.b]) {
-      if (Has(f, e.a)) {
+  // b becomes a.
+  void Collapse(int32_t a, int32_t b, const Eigen::Vector3d& position) {
+    for (const int32_t f : faces_[b]) {
+      if (Has(f, a)) {
         alive_[f] = 0;
         for (int c = 0; c < 3; ++c) {
-          if (T_(c, f) != e.b) Erase(f, &faces_[T_(c, f)]);
+          if (T_(c, f) != b) Erase(f, &faces_[T_(c, f)]);
         }
         continue;
       }
       for (int c = 0; c < 3; ++c) {
-        if (T_(c, f) == e.b) T_(c, f) = e.a;
+        if (T_(c, f) == b) T_(c, f) = a;
       }
-      faces_[e.a].push_back(f);
+      faces_[a].push_back(f);
     }
-    faces_[e.b].clear();
-    V_.col(e.a) = e.position;
-    quadric_[e.a] = quadric_[e.a] + quadric_[e.b];
-    boundary_[e.a] = boundary_[e.a] || boundary_[e.b];
+    faces_[b].clear();
+    Erase(b, &curve_[a]);
+    for (const int32_t n : curve_[b]) {
+      if (n == a) continue;
+      std::replace(curve_[n].begin(), curve_[n].end(), b, a);
+      curve_[a].push_back(n);
+    }
+    curve_[b].clear();
+    V_.col(a) = position;
+    quadric_[a] = quadric_[a] + quadric_[b];
+    freedom_[a] = std::max(freedom_[a], freedom_[b]);
+    boundary_[a] = boundary_[a] || boundary_[b];
+    corner_[a] = corner_[a] || corner_[b];
     --left_;
-    // Every candidate at the vertex, and those of its neighbours that it had blocked, is made anew.
-    ++stamp_[e.a];
-    ++stamp_[e.b];
-    const std::vector<int32_t> near = Neighbors(e.a);
-    for (const int32_t n : near) ++stamp_[n];
-    for (const int32_t n : near) {
-      for (const int32_t m : Neighbors(n)) {
-        if (m == e.a || m > n || !std::binary_search(near.begin(), near.end(), m)) Push(n, m);
+    ++stamp_[a];
+    ++stamp_[b];
+    Renew(a);
+  }
+
+  // Candidates at the vertex are made anew, and those of its neighbours that were blocked.
+  void Renew(int32_t a) {
+    fresh_.clear();
+    blocked_[a].clear();
+    Neighbors(a, &near_a_);
+    for (const int32_t n : near_a_) {
+      AddCandidate(std::min(a, n), std::max(a, n), &fresh_);
+      for (const int32_t m : blocked_[n]) {
+        if (m == a || faces_[m].empty()) continue;
+        Erase(n, &blocked_[m]);
+        AddCandidate(std::min(n, m), std::max(n, m), &fresh_);
       }
+      blocked_[n].clear();
     }
+    for (const Candidate& candidate : fresh_) queue_.push(candidate);
   }
 
   Rules rules_ = kRules[0];
   double mean_edge_ = 0, max_length_ = 0;
   Points3d V_;
   Triangles T_;
-  std::vector<char> alive_;
-  std::vector<std::vector<int32_t>> faces_;
-  std::vector<char> boundary_;
+  std::vector<char> alive_;         // triangles
+  std::vector<IndexList> faces_;    // of a vertex; none when it is gone
+  std::vector<IndexList> curve_;    // neighbours along boundaries and creases
+  std::vector<IndexList> blocked_;  // neighbours to which the edge must not collapse for now
+  std::vector<Freedom> freedom_;
+  std::vector<char> boundary_, corner_;
   std::vector<uint32_t> stamp_;
   std::vector<Quadric> quadric_;
   int64_t left_;
+  Eigen::Vector3d origin_;
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+  std::vector<int32_t> near_a_, near_b_, common_;  // buffers
+  std::vector<Candidate> fresh_;
 };
 
 }  // namespace
 
-TriangleMesh CollapseEdges(const TriangleMesh& mesh, int64_t vertices) {
+TaggedMesh CollapseEdges(const TaggedMesh& mesh, int64_t vertices) {
   Collapser collapser(mesh);
   for (const Rules& rules : kRules) collapser.Run(vertices, rules);
   return collapser.Result();

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/status.h"
+#include "core/mesh/crease_detection.h"
 #include "core/mesh/triangle_bvh.h"
 #include "core/subdiv/limit.h"
 #include "core/template/mesh_relax.h"
@@ -24,47 +25,79 @@ constexpr int kRelaxRounds = 5;
 constexpr int kMaxRetries = 5;
 constexpr int kInflateRounds = 4;
 
-// Splits every triangle in four at its edges' middles.
-absl::StatusOr<TriangleMesh> SplitEdges(const TriangleMesh& mesh) {
-  const int32_t n = static_cast<int32_t>(mesh.vertices.cols());
-  ASSIGN_OR_RETURN(const Topology topology, Topology::Create(n, mesh.triangles));
-  TriangleMesh fine;
-  fine.vertices.resize(3, n + topology.edge_count());
-  fine.vertices.leftCols(n) = mesh.vertices;
+// Splits every triangle in four, and every crease in two, at the edges' middles.
+absl::StatusOr<TaggedMesh> SplitEdges(const TaggedMesh& coarse) {
+  const Points3d& V = coarse.mesh.vertices;
+  const int32_t n = static_cast<int32_t>(V.cols());
+  ASSIGN_OR_RETURN(const Topology topology, Topology::Create(n, coarse.mesh.triangles));
+  TaggedMesh fine;
+  fine.mesh.vertices.resize(3, n + topology.edge_count());
+  fine.mesh.vertices.leftCols(n) = V;
   for (int32_t e = 0; e < topology.edge_count(); ++e) {
     const auto& [a, b] = topology.edge(e);
-    fine.vertices.col(n + e) = 0.5 * (mesh.vertices.col(a) + mesh.vertices.col(b));
+    fine.mesh.vertices.col(n + e) = 0.5 * (V.col(a) + V.col(b));
   }
-  fine.triangles.resize(3, 4 * mesh.triangles.cols());
+  Triangles& T = fine.mesh.triangles;
+  T.resize(3, 4 * topology.triangle_count());
   for (int32_t f = 0; f < topology.triangle_count(); ++f) {
-    const auto t = mesh.triangles.col(f);
+    const auto t = topology.triangles().col(f);
     const int32_t m[3] = {n + topology.triangle_edge(f, 0), n + topology.triangle_edge(f, 1),
                           n + topology.triangle_edge(f, 2)};
-    fine.triangles.col(4 * f) << t[0], m[0], m[2];
-    fine.triangles.col(4 * f + 1) << t[1], m[1], m[0];
-    fine.triangles.col(4 * f + 2) << t[2], m[2], m[1];
-    fine.triangles.col(4 * f + 3) << m[0], m[1], m[2];
+    T.col(4 * f) << t[0], m[0], m[2];
+    T.col(4 * f + 1) << t[1], m[1], m[0];
+    T.col(4 * f + 2) << t[2], m[2], m[1];
+    T.col(4 * f + 3) << m[0], m[1], m[2];
   }
+  for (const auto& [a, b] : coarse.tags.edges) {
+    const int32_t middle = n + topology.FindEdge(a, b);
+    fine.tags.edges.push_back({a, middle});
+    fine.tags.edges.push_back({middle, b});
+  }
+  fine.tags.corners = coarse.tags.corners;
   return fine;
 }
 
-// A manifold mesh with enough vertices to collapse to the count asked for.
-absl::StatusOr<TriangleMesh> Prepare(const TriangleMesh& mesh, int32_t vertices,
-                                     TemplateReport* report) {
+absl::StatusOr<CreaseTags> FindCreases(const TriangleMesh& mesh, std::optional<double> angle) {
+  ASSIGN_OR_RETURN(const Topology topology,
+                   Topology::Create(static_cast<int32_t>(mesh.vertices.cols()), mesh.triangles));
+  return DetectCreases(mesh.vertices, topology, angle.value_or(kDefaultCreaseAngle),
+                       angle.has_value() ? CreaseEffort::kAlways : CreaseEffort::kOnParts);
+}
+
+// A manifold mesh with enough vertices to collapse to the count asked for, and its creases.
+absl::StatusOr<TaggedMesh> Prepare(const TriangleMesh& mesh, const TemplateOptions& options,
+                                   TemplateReport* report) {
   RepairReport repair;
-  TriangleMesh clean = MakeManifold(mesh, &repair);
+  TaggedMesh clean = {MakeManifold(mesh, &repair), {}};
   report->repaired_triangles = repair.dropped_triangles;
   report->repaired_vertices = repair.split_vertices;
-  if (clean.triangles.cols() == 0) {
+  if (clean.mesh.triangles.cols() == 0) {
     return absl::FailedPreconditionError(
         "template: no triangle is left after repair (all degenerate or none given)");
   }
-  clean = KeepLargeComponents(clean, kComponentShare, &report->components_kept,
-                              &report->components_dropped);
-  while (clean.vertices.cols() < vertices) {
+  clean.mesh = KeepLargeComponents(clean.mesh, kComponentShare, &report->components_kept,
+                                   &report->components_dropped);
+  ASSIGN_OR_RETURN(clean.tags, FindCreases(clean.mesh, options.crease_angle));
+  while (clean.mesh.vertices.cols() < options.vertices) {
     ASSIGN_OR_RETURN(clean, SplitEdges(clean));
   }
   return clean;
+}
+
+TaggedMesh Reduce(const TaggedMesh& fine, const TriangleBvh& surface, int32_t vertices) {
+  TaggedMesh coarse = CollapseEdges(fine, vertices);
+  // Needles of the input may block each other; better triangles free them.
+  for (int k = 0; k < kMaxRetries && coarse.mesh.vertices.cols() > vertices; ++k) {
+    RelaxMesh(surface, 1, &coarse);
+    coarse = CollapseEdges(coarse, vertices);
+  }
+  RelaxMesh(surface, kRelaxRounds, &coarse);
+  return coarse;
+}
+
+bool HasCount(const TaggedMesh& mesh, int32_t vertices) {
+  const double difference = std::abs(static_cast<double>(mesh.mesh.vertices.cols()) - vertices);
+  return difference <= kCountTolerance * vertices;
 }
 
 // Moves the control vertices until the limit surface, which lies inside the control mesh where that
@@ -83,9 +116,15 @@ Points3d Inflate(const ControlMesh& cage) {
 }  // namespace
 
 absl::Status TemplateOptions::Validate() const {
-  if (vertices >= kMinVertices && vertices <= kMaxVertices) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat("vertices is %d; it must be from %d to %d",
-                                                    vertices, kMinVertices, kMaxVertices));
+  if (!(vertices >= kMinVertices && vertices <= kMaxVertices)) {
+    return absl::InvalidArgumentError(absl::StrFormat("vertices is %d; it must be from %d to %d",
+                                                      vertices, kMinVertices, kMaxVertices));
+  }
+  if (crease_angle.has_value() && !(*crease_angle >= 0 && *crease_angle <= 180)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("crease_angle is %g; it must be from 0 to 180 degrees", *crease_angle));
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<ControlMesh> TemplateFromMesh(const TriangleMesh& mesh,
@@ -93,30 +132,28 @@ absl::StatusOr<ControlMesh> TemplateFromMesh(const TriangleMesh& mesh,
                                              TemplateReport* report) {
   RETURN_IF_ERROR(options.Validate());
   report->input_vertices = mesh.vertices.cols();
-  ASSIGN_OR_RETURN(const TriangleMesh fine, Prepare(mesh, options.vertices, report));
-  const TriangleBvh surface(fine.vertices, fine.triangles);
-  TriangleMesh coarse = CollapseEdges(fine, options.vertices);
-  // Needles of the input may block each other; better triangles free them.
-  for (int k = 0; k < kMaxRetries && coarse.vertices.cols() > options.vertices; ++k) {
-    RelaxMesh(surface, 1, &coarse);
-    coarse = CollapseEdges(coarse, options.vertices);
+  ASSIGN_OR_RETURN(TaggedMesh fine, Prepare(mesh, options, report));
+  const TriangleBvh surface(fine.mesh.vertices, fine.mesh.triangles);
+  TaggedMesh coarse = Reduce(fine, surface, options.vertices);
+  if (!HasCount(coarse, options.vertices) && !fine.tags.edges.empty()) {
+    fine.tags = {};
+    coarse = Reduce(fine, surface, options.vertices);
   }
-  RelaxMesh(surface, kRelaxRounds, &coarse);
-  const double difference =
-      std::abs(static_cast<double>(coarse.vertices.cols()) - options.vertices);
-  if (difference > kCountTolerance * options.vertices) {
+  if (!HasCount(coarse, options.vertices)) {
     return absl::FailedPreconditionError(
         absl::StrFormat("template: edge collapse stopped at %d vertices where %d were asked for; "
                         "the topology of the "
                         "surface needs more",
-                        coarse.vertices.cols(), options.vertices));
+                        coarse.mesh.vertices.cols(), options.vertices));
   }
-  absl::StatusOr<ControlMesh> cage =
-      ControlMesh::Create(std::move(coarse.vertices), std::move(coarse.triangles));
+  absl::StatusOr<ControlMesh> cage = ControlMesh::Create(
+      std::move(coarse.mesh.vertices), std::move(coarse.mesh.triangles), std::move(coarse.tags));
   if (!cage.ok()) {
     return absl::FailedPreconditionError(
         absl::StrFormat("template: the collapsed mesh is not valid: %s", cage.status().message()));
   }
+  report->crease_edges = static_cast<int32_t>(cage->tags().edges.size());
+  report->corners = static_cast<int32_t>(cage->tags().corners.size());
   report->boundary_loops = static_cast<int32_t>(cage->topology().BoundaryLoops().size());
   return cage->WithVertices(Inflate(*cage));
 }
@@ -127,7 +164,9 @@ absl::StatusOr<ControlMesh> TemplateFromCloud(const PointCloud& cloud,
   RETURN_IF_ERROR(options.Validate());
   RETURN_IF_ERROR(ValidateTarget(cloud));
   ASSIGN_OR_RETURN(const TriangleMesh surface, ReconstructPoisson(cloud, options.vertices));
-  absl::StatusOr<ControlMesh> cage = TemplateFromMesh(surface, options, report);
+  TemplateOptions smooth = options;  // Poisson rounds every edge; what is sharp there is noise
+  smooth.crease_angle = 0;
+  absl::StatusOr<ControlMesh> cage = TemplateFromMesh(surface, smooth, report);
   report->input_vertices = cloud.size();
   return cage;
 }

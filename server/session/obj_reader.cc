@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -14,7 +15,8 @@ namespace {
 
 absl::Status BadLine(int64_t line, absl::string_view text) {
   return absl::InvalidArgumentError(
-      absl::StrCat("line ", line, " is \"", text.substr(0, 80), "\"; expected v x y z or f a b c"));
+      absl::StrCat("line ", line, " is \"", text.substr(0, 80),
+                   "\"; expected v x y z, f a b c, # cagefit crease a b or # cagefit corner a"));
 }
 
 template <typename Value, typename Parse>
@@ -29,25 +31,42 @@ bool ReadThree(const std::vector<absl::string_view>& words, const Parse& parse,
   return true;
 }
 
+bool ReadIndex(absl::string_view word, int32_t* value) {
+  return absl::SimpleAtoi(word, value) && (*value)-- >= 1;
+}
+
+// # cagefit crease A B, # cagefit corner A
+bool ReadTag(const std::vector<absl::string_view>& words, CreaseTags* tags) {
+  int32_t a = 0, b = 0;
+  if (words.size() == 5 && words[2] == "crease") {
+    if (!ReadIndex(words[3], &a) || !ReadIndex(words[4], &b)) return false;
+    tags->edges.push_back({a, b});
+    return true;
+  }
+  if (words.size() != 4 || words[2] != "corner" || !ReadIndex(words[3], &a)) return false;
+  tags->corners.push_back(a);
+  return true;
+}
+
 }  // namespace
 
 absl::StatusOr<ControlMesh> ReadTemplateObj(absl::string_view text, int32_t max_vertices) {
   std::vector<double> coordinates;
   std::vector<int32_t> indices;
+  CreaseTags tags;
   const auto parse_double = [](absl::string_view word, double* value) {
     return absl::SimpleAtod(word, value);
-  };
-  const auto parse_index = [](absl::string_view word, int32_t* value) {
-    return absl::SimpleAtoi(word, value) && (*value)-- >= 1;
   };
   int64_t line = 0;
   for (absl::string_view raw : absl::StrSplit(text, '\n')) {
     ++line;
     const absl::string_view stripped = absl::StripAsciiWhitespace(raw);
-    if (stripped.empty() || stripped[0] == '#') continue;
+    const bool is_tag = absl::StartsWith(stripped, "# cagefit ");
+    if (stripped.empty() || (stripped[0] == '#' && !is_tag)) continue;
     const std::vector<absl::string_view> words = absl::StrSplit(stripped, ' ', absl::SkipEmpty());
-    const bool good = words[0] == "v"   ? ReadThree(words, parse_double, &coordinates)
-                      : words[0] == "f" ? ReadThree(words, parse_index, &indices)
+    const bool good = is_tag            ? ReadTag(words, &tags)
+                      : words[0] == "v" ? ReadThree(words, parse_double, &coordinates)
+                      : words[0] == "f" ? ReadThree(words, ReadIndex, &indices)
                                         : false;
     if (!good) return BadLine(line, stripped);
     if (coordinates.size() > 3 * static_cast<size_t>(max_vertices)) {
@@ -59,7 +78,7 @@ absl::StatusOr<ControlMesh> ReadTemplateObj(absl::string_view text, int32_t max_
   std::copy(coordinates.begin(), coordinates.end(), vertices.data());
   Triangles triangles(3, indices.size() / 3);
   std::copy(indices.begin(), indices.end(), triangles.data());
-  return ControlMesh::Create(std::move(vertices), std::move(triangles));
+  return ControlMesh::Create(std::move(vertices), std::move(triangles), std::move(tags));
 }
 
 }  // namespace cagefit::server

@@ -9,8 +9,9 @@
 
 namespace cagefit::server {
 
-// Lines "v x y z" and "f a b c" (indices from 1), comments and blank lines. INVALID_ARGUMENT naming
-// the line for anything else, more than `max_vertices` vertices, or an invalid control mesh.
+// Lines "v x y z", "f a b c", "# cagefit crease a b" and "# cagefit corner a" (indices from 1),
+// other comments and blank lines. INVALID_ARGUMENT naming the line for anything else, more than
+// `max_vertices` vertices, or an invalid control mesh.
 absl::StatusOr<ControlMesh> ReadTemplateObj(absl::string_view text, int32_t max_vertices);
 
 }  // namespace cagefit::server

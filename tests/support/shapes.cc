@@ -33,6 +33,34 @@ Triangles GridTriangles(int columns, int rows, bool close_columns, bool close_ro
   return triangles;
 }
 
+// The patches in one mesh, vertices at the same position (to 1e-9) merged.
+TriangleMesh Weld(const std::vector<TriangleMesh>& patches) {
+  std::map<std::array<int64_t, 3>, int32_t> at;
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  for (const TriangleMesh& patch : patches) {
+    std::vector<int32_t> index(patch.vertices.cols());
+    for (Eigen::Index v = 0; v < patch.vertices.cols(); ++v) {
+      const Eigen::Vector3d p = patch.vertices.col(v);
+      const std::array<int64_t, 3> key = {std::llround(p.x() * 1e9), std::llround(p.y() * 1e9),
+                                          std::llround(p.z() * 1e9)};
+      const auto [entry, added] = at.try_emplace(key, static_cast<int32_t>(vertices.size()));
+      if (added) vertices.push_back(p);
+      index[v] = entry->second;
+    }
+    for (Eigen::Index f = 0; f < patch.triangles.cols(); ++f) {
+      const auto t = patch.triangles.col(f);
+      triangles.emplace_back(index[t[0]], index[t[1]], index[t[2]]);
+    }
+  }
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, static_cast<Eigen::Index>(vertices.size()));
+  for (size_t v = 0; v < vertices.size(); ++v) mesh.vertices.col(v) = vertices[v];
+  mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (size_t f = 0; f < triangles.size(); ++f) mesh.triangles.col(f) = triangles[f];
+  return mesh;
+}
+
 TriangleMesh Icosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
   TriangleMesh mesh;
@@ -173,6 +201,28 @@ TriangleMesh Bipyramid(int around) {
     mesh.triangles.col(2 * k + 1) << 1, b, a;
   }
   return mesh;
+}
+
+TriangleMesh Cube(int cells) {
+  std::vector<TriangleMesh> faces;
+  for (int axis = 0; axis < 3; ++axis) {
+    TriangleMesh high = OpenGrid(cells);  // in the plane of the other two axes, seen from outside
+    const Points3d grid = high.vertices;
+    for (int k = 0; k < 3; ++k) high.vertices.row((axis + 1 + k) % 3) = grid.row(k);
+    TriangleMesh low = high;
+    high.vertices.row(axis).setOnes();
+    low.triangles.row(1).swap(low.triangles.row(2));
+    faces.push_back(std::move(high));
+    faces.push_back(std::move(low));
+  }
+  return Weld(faces);
+}
+
+TriangleMesh Drum(int rings, double radius, double length) {
+  TriangleMesh top = OpenDisk(rings, radius), bottom = top;
+  top.vertices.row(2).setConstant(length);
+  bottom.triangles.row(1).swap(bottom.triangles.row(2));
+  return Weld({std::move(top), std::move(bottom), Tube(6 * rings, 2 * rings, radius, length)});
 }
 
 TriangleMesh MixedValences(uint32_t seed) {

@@ -29,6 +29,13 @@ TriangleMesh Tube(int around, int along, double radius = 1, double length = 2);
 // Two vertices of valence `around` (3 or more), 0 and 1, above and below a ring of valence 4.
 TriangleMesh Bipyramid(int around);
 
+// Surface of the cube [0, 1]^3, each face an OpenGrid of `cells` x `cells`.
+TriangleMesh Cube(int cells);
+
+// Closed cylinder around the z axis from z = 0 to `length`: two OpenDisks of `rings` and a barrel
+// of 6 * rings vertices around, 2 * rings cells along.
+TriangleMesh Drum(int rings, double radius = 1, double length = 2);
+
 // Closed genus-0 mesh of 162 vertices whose valences cover 3 to 12: an icosphere with edges flipped
 // at random and its vertices moved a little.
 TriangleMesh MixedValences(uint32_t seed = 1);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/mesh/crease_detection.h"
 #include "core/mesh/topology.h"
 #include "core/template/quadric_collapse.h"
 #include "tests/support/shapes.h"
@@ -37,9 +38,10 @@ double LeastQuality(const TriangleMesh& mesh) {
 
 TEST(MeshRelaxTest, EvensValencesAndStaysOnTheSurface) {
   const TriangleMesh fine = testing::Icosphere(5);
-  TriangleMesh mesh = CollapseEdges(fine, 500);
+  TaggedMesh tagged = CollapseEdges({fine, {}}, 500);
+  const TriangleMesh& mesh = tagged.mesh;
   const double before = MeanSquaredValenceError(mesh), quality = LeastQuality(mesh);
-  RelaxMesh(TriangleBvh(fine.vertices, fine.triangles), 5, &mesh);
+  RelaxMesh(TriangleBvh(fine.vertices, fine.triangles), 5, &tagged);
   EXPECT_LT(MeanSquaredValenceError(mesh), 0.7 * before);
   EXPECT_GT(LeastQuality(mesh), quality);
   EXPECT_NEAR(mesh.vertices.colwise().norm().minCoeff(), 1, 2e-3);
@@ -47,15 +49,37 @@ TEST(MeshRelaxTest, EvensValencesAndStaysOnTheSurface) {
 }
 
 TEST(MeshRelaxTest, LeavesTheBoundaryWhereItIs) {
-  TriangleMesh mesh = testing::OpenGrid(6);
+  TaggedMesh tagged = {testing::OpenGrid(6), {}};
+  TriangleMesh& mesh = tagged.mesh;
   for (int v = 0; v < mesh.vertices.cols(); ++v) {
     const bool inner = v % 7 > 0 && v % 7 < 6 && v / 7 > 0 && v / 7 < 6;
     if (inner) mesh.vertices(0, v) += 0.06 * std::sin(7.0 * v);
   }
   const TriangleMesh before = mesh, flat = testing::OpenGrid(1);
-  RelaxMesh(TriangleBvh(flat.vertices, flat.triangles), 5, &mesh);
+  RelaxMesh(TriangleBvh(flat.vertices, flat.triangles), 5, &tagged);
   for (int v = 0; v < 7; ++v) EXPECT_EQ(mesh.vertices.col(v), before.vertices.col(v));
   EXPECT_GT(LeastQuality(mesh), LeastQuality(before));
+}
+
+TEST(MeshRelaxTest, LeavesCreasesWhereTheyAre) {
+  const TriangleMesh cube = testing::Cube(12);
+  const auto topology =
+      Topology::Create(static_cast<int32_t>(cube.vertices.cols()), cube.triangles);
+  ASSERT_TRUE(topology.ok());
+  const TaggedMesh before = CollapseEdges(
+      {cube, DetectCreases(cube.vertices, *topology, kDefaultCreaseAngle, CreaseEffort::kOnParts)},
+      150);
+  TaggedMesh mesh = before;
+  RelaxMesh(TriangleBvh(cube.vertices, cube.triangles), 5, &mesh);
+  const auto relaxed =
+      Topology::Create(static_cast<int32_t>(mesh.mesh.vertices.cols()), mesh.mesh.triangles);
+  ASSERT_TRUE(relaxed.ok());
+  EXPECT_EQ(mesh.tags.edges, before.tags.edges);
+  for (const auto& [a, b] : mesh.tags.edges) {
+    EXPECT_NE(relaxed->FindEdge(a, b), Topology::kNone);
+    EXPECT_EQ(mesh.mesh.vertices.col(a), before.mesh.vertices.col(a));
+  }
+  EXPECT_NE(mesh.mesh.vertices, before.mesh.vertices);
 }
 
 }  // namespace

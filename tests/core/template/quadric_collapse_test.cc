@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "core/mesh/crease_detection.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_bvh.h"
 #include "tests/support/shapes.h"
@@ -17,7 +21,7 @@ Topology TopologyOf(const TriangleMesh& mesh) {
 
 TEST(QuadricCollapseTest, ReachesTheCountAndStaysClosed) {
   const TriangleMesh sphere = testing::Icosphere(4);
-  const TriangleMesh coarse = CollapseEdges(sphere, 200);
+  const TriangleMesh coarse = CollapseEdges({sphere, {}}, 200).mesh;
   EXPECT_EQ(coarse.vertices.cols(), 200);
   EXPECT_EQ(coarse.triangles.cols(), 396);  // 2 V - 4: genus 0
   EXPECT_TRUE(TopologyOf(coarse).BoundaryLoops().empty());
@@ -30,9 +34,9 @@ TEST(QuadricCollapseTest, ReachesTheCountAndStaysClosed) {
 }
 
 TEST(QuadricCollapseTest, KeepsGenusAndBoundaries) {
-  const Topology torus = TopologyOf(CollapseEdges(testing::Torus(48, 24), 150));
+  const Topology torus = TopologyOf(CollapseEdges({testing::Torus(48, 24), {}}, 150).mesh);
   EXPECT_EQ(torus.vertex_count() - torus.edge_count() + torus.triangle_count(), 0);
-  const TriangleMesh tube = CollapseEdges(testing::Tube(48, 40), 150);
+  const TriangleMesh tube = CollapseEdges({testing::Tube(48, 40), {}}, 150).mesh;
   const Topology topology = TopologyOf(tube);
   ASSERT_EQ(topology.BoundaryLoops().size(), 2u);
   for (const auto& loop : topology.BoundaryLoops()) {
@@ -44,7 +48,7 @@ TEST(QuadricCollapseTest, KeepsGenusAndBoundaries) {
 }
 
 TEST(QuadricCollapseTest, FlatRegionsLoseNoArea) {
-  const TriangleMesh coarse = CollapseEdges(testing::OpenGrid(30), 40);
+  const TriangleMesh coarse = CollapseEdges({testing::OpenGrid(30), {}}, 40).mesh;
   const Topology topology = TopologyOf(coarse);
   EXPECT_LE(topology.vertex_count(), 41);
   double area = 0;
@@ -58,9 +62,53 @@ TEST(QuadricCollapseTest, FlatRegionsLoseNoArea) {
 }
 
 TEST(QuadricCollapseTest, StopsWhereTheTopologyNeedsMore) {
-  const TriangleMesh least = CollapseEdges(testing::Icosphere(2), 1);
+  const TriangleMesh least = CollapseEdges({testing::Icosphere(2), {}}, 1).mesh;
   EXPECT_GE(least.vertices.cols(), 4);
   TopologyOf(least);
+}
+
+// The tagged mesh of a shape with creases.
+TaggedMesh WithCreases(const TriangleMesh& mesh) {
+  return {mesh, DetectCreases(mesh.vertices, TopologyOf(mesh), kDefaultCreaseAngle,
+                              CreaseEffort::kOnParts)};
+}
+
+TEST(QuadricCollapseTest, CornersStayAndCreasesStayOnTheirCurve) {
+  const TaggedMesh coarse = CollapseEdges(WithCreases(testing::Cube(16)), 120);
+  EXPECT_EQ(coarse.mesh.vertices.cols(), 120);
+  const Points3d& V = coarse.mesh.vertices;
+  ASSERT_EQ(coarse.tags.corners.size(), 8u);
+  for (const int32_t v : coarse.tags.corners) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(std::abs(V(axis, v) - 0.5), 0.5, 1e-12) << V.col(v).transpose();
+    }
+  }
+  // The creases are the cube's twelve edges, each covered once.
+  const Topology topology = TopologyOf(coarse.mesh);
+  double length = 0;
+  for (const auto& [a, b] : coarse.tags.edges) {
+    ASSERT_NE(topology.FindEdge(a, b), Topology::kNone);
+    length += (V.col(a) - V.col(b)).norm();
+    const Eigen::Array3d middle = 0.5 * (V.col(a) + V.col(b)).array();
+    EXPECT_GE(((middle - 0.5).abs() > 0.5 - 1e-5).count(), 2) << middle.transpose();
+  }
+  EXPECT_NEAR(length, 12, 1e-5);
+}
+
+TEST(QuadricCollapseTest, RoundCreasesStayClosedCurves) {
+  const TaggedMesh coarse = CollapseEdges(WithCreases(testing::Drum(12)), 100);
+  std::vector<int> creases(coarse.mesh.vertices.cols(), 0);
+  for (const auto& edge : coarse.tags.edges) {
+    for (const int32_t v : edge) {
+      ++creases[v];
+      EXPECT_NEAR(coarse.mesh.vertices.col(v).head<2>().norm(), 1, 0.02);
+      EXPECT_NEAR(std::abs(coarse.mesh.vertices(2, v) - 1), 1, 1e-3);
+    }
+  }
+  EXPECT_GE(coarse.tags.edges.size(), 2u * 6);
+  EXPECT_EQ(std::count(creases.begin(), creases.end(), 1), 0);  // no loose end
+  EXPECT_EQ(std::count(creases.begin(), creases.end(), 2),
+            static_cast<int64_t>(coarse.tags.edges.size()));
 }
 
 }  // namespace

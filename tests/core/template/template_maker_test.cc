@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+
 #include "core/cloud/normals.h"
 #include "core/subdiv/limit.h"
 #include "tests/support/data.h"
@@ -25,7 +27,7 @@ void ExpectSoundValences(const ControlMesh& cage) {
 TEST(TemplateMakerTest, AMeshGivesTheCountAskedFor) {
   for (const int32_t count : {60, 314, 3000}) {
     TemplateReport report;
-    const auto cage = TemplateFromMesh(testing::Icosphere(4), {count}, &report);
+    const auto cage = TemplateFromMesh(testing::Icosphere(4), {count, {}}, &report);
     ASSERT_TRUE(cage.ok()) << cage.status();
     EXPECT_NEAR(cage->vertex_count(), count, 0.01 * count);
     EXPECT_EQ(report.boundary_loops, 0);
@@ -36,7 +38,7 @@ TEST(TemplateMakerTest, AMeshGivesTheCountAskedFor) {
 
 TEST(TemplateMakerTest, TheLimitSurfaceLiesOnTheInput) {
   TemplateReport report;
-  const auto cage = TemplateFromMesh(testing::Icosphere(4), {100}, &report);
+  const auto cage = TemplateFromMesh(testing::Icosphere(4), {100, {}}, &report);
   ASSERT_TRUE(cage.ok()) << cage.status();
   Points3d limit;
   ApplyStencils(LimitPositionStencils(cage->topology(), cage->tags()), cage->vertices(), &limit);
@@ -46,7 +48,7 @@ TEST(TemplateMakerTest, TheLimitSurfaceLiesOnTheInput) {
 
 TEST(TemplateMakerTest, AnOpenCloudGivesAnOpenControlMesh) {
   TemplateReport report;
-  const auto cage = TemplateFromCloud(TubeCloud(), {400}, &report);
+  const auto cage = TemplateFromCloud(TubeCloud(), {400, {}}, &report);
   ASSERT_TRUE(cage.ok()) << cage.status();
   EXPECT_NEAR(cage->vertex_count(), 400, 4);
   EXPECT_EQ(report.boundary_loops, 2);
@@ -57,9 +59,9 @@ TEST(TemplateMakerTest, ACloudWithoutNormalsWorksOnceTheyAreEstimated) {
   PointCloud cloud = CloudFromMesh(testing::Torus(160, 60));
   cloud.normals.resize(3, 0);
   TemplateReport report;
-  EXPECT_FALSE(TemplateFromCloud(cloud, {200}, &report).ok());
+  EXPECT_FALSE(TemplateFromCloud(cloud, {200, {}}, &report).ok());
   ASSERT_TRUE(EstimateNormals({}, &cloud).ok());
-  const auto cage = TemplateFromCloud(cloud, {200}, &report);
+  const auto cage = TemplateFromCloud(cloud, {200, {}}, &report);
   ASSERT_TRUE(cage.ok()) << cage.status();
   const Topology& topology = cage->topology();
   EXPECT_EQ(topology.vertex_count() - topology.edge_count() + topology.triangle_count(), 0);
@@ -68,16 +70,50 @@ TEST(TemplateMakerTest, ACloudWithoutNormalsWorksOnceTheyAreEstimated) {
 TEST(TemplateMakerTest, SaysWhatFailed) {
   TemplateReport report;
   const TriangleMesh sphere = testing::Icosphere(3);
-  EXPECT_THAT(std::string(TemplateFromMesh(sphere, {3}, &report).status().message()),
+  EXPECT_THAT(std::string(TemplateFromMesh(sphere, {3, {}}, &report).status().message()),
               HasSubstr("vertices is 3; it must be from 4"));
   TriangleMesh flat = testing::OpenGrid(2);
   flat.vertices.setZero();
-  EXPECT_EQ(TemplateFromMesh(flat, {4}, &report).status().code(),
+  EXPECT_EQ(TemplateFromMesh(flat, {4, {}}, &report).status().code(),
             absl::StatusCode::kFailedPrecondition);
   // A torus needs seven.
   EXPECT_THAT(
-      std::string(TemplateFromMesh(testing::Torus(48, 24), {5}, &report).status().message()),
+      std::string(TemplateFromMesh(testing::Torus(48, 24), {5, {}}, &report).status().message()),
       HasSubstr("the topology of the surface needs more"));
+}
+
+TEST(TemplateMakerTest, CreasesSurvive) {
+  TemplateReport report;
+  for (const int count : {100, 1000}) {  // fewer and more than the mesh has
+    const auto cage = TemplateFromMesh(testing::Cube(8), {count, {}}, &report);
+    ASSERT_TRUE(cage.ok()) << cage.status();
+    EXPECT_EQ(cage->tags().corners.size(), 8u);
+    EXPECT_EQ(report.corners, 8);
+    EXPECT_EQ(report.crease_edges, static_cast<int32_t>(cage->tags().edges.size()));
+    // The limit surface has the cube's edges: its corners, and its volume but for nothing.
+    const LimitMesh limit = BuildLimitMesh(cage->topology(), cage->tags(), 2);
+    Points3d V;
+    ApplyStencils(limit.position, cage->vertices(), &V);
+    double volume = 0;
+    for (Eigen::Index f = 0; f < limit.triangles.cols(); ++f) {
+      const auto t = limit.triangles.col(f);
+      volume += V.col(t[0]).dot(V.col(t[1]).cross(V.col(t[2]))) / 6;
+    }
+    EXPECT_NEAR(volume, 1, 1e-3);
+  }
+}
+
+TEST(TemplateMakerTest, CreasesAreGivenUpWhereTheyAskForTooMuchOrAreNotWanted) {
+  TemplateReport report;
+  const auto few = TemplateFromMesh(testing::Cube(8), {7, {}}, &report);
+  ASSERT_TRUE(few.ok()) << few.status();
+  EXPECT_TRUE(few->tags().edges.empty());
+  const auto smooth = TemplateFromMesh(testing::Cube(8), {100, 0.0}, &report);
+  ASSERT_TRUE(smooth.ok()) << smooth.status();
+  EXPECT_TRUE(smooth->tags().edges.empty());
+  EXPECT_THAT(
+      std::string(TemplateFromMesh(testing::Cube(8), {100, 181.0}, &report).status().message()),
+      HasSubstr("crease_angle is 181; it must be from 0 to 180"));
 }
 
 struct Real {
@@ -94,7 +130,8 @@ TEST(TemplateMakerTest, RealMeshesKeepTheirBoundaries) {
       {"static/plane_holes_8519.ply", 2000, 27}, {"static/torus_2304.ply", 200, 0}};
   for (const Real& real : kReal) {
     TemplateReport report;
-    const auto cage = TemplateFromMesh(testing::ReadTestMesh(real.file), {real.vertices}, &report);
+    const auto cage =
+        TemplateFromMesh(testing::ReadTestMesh(real.file), {real.vertices, {}}, &report);
     ASSERT_TRUE(cage.ok()) << real.file << ": " << cage.status();
     EXPECT_NEAR(cage->vertex_count(), real.vertices, 0.01 * real.vertices) << real.file;
     EXPECT_EQ(cage->topology().BoundaryLoops().size(), real.loops) << real.file;

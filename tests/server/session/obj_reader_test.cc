@@ -41,6 +41,23 @@ TEST(ObjReaderTest, SkipsCommentsBlankLinesAndCarriageReturns) {
           .ok());
 }
 
+TEST(ObjReaderTest, ReadsCreasesAndCorners) {
+  const auto mesh = ReadTemplateObj(
+      "# cagefit crease 1 2\n# cagefit crease 4 2\n# cagefit corner 3\n" + Tetrahedron(), 4);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  const std::vector<std::array<int32_t, 2>> edges = {{0, 1}, {3, 1}};
+  EXPECT_EQ(mesh->tags().edges, edges);
+  EXPECT_EQ(mesh->tags().corners, std::vector<int32_t>{2});
+}
+
+TEST(ObjReaderTest, RefusesTagsThatNameNothing) {
+  for (const char* line : {"# cagefit crease 1", "# cagefit crease 0 1", "# cagefit corner x",
+                           "# cagefit corner 1 2", "# cagefit seam 1 2"}) {
+    EXPECT_THAT(ErrorOf(std::string(line) + "\n" + Tetrahedron()), HasSubstr("line 1")) << line;
+  }
+  EXPECT_THAT(ErrorOf("# cagefit corner 5\n" + Tetrahedron()), HasSubstr("corner 4 is outside"));
+}
+
 TEST(ObjReaderTest, NamesTheLineThatItDoesNotKnow) {
   for (const char* line : {"vn 0 0 1", "v 1 2", "v 1 2 3 4", "v 1 2 x", "f 1 2", "f 1 2 3 4",
                            "f 1/1 2/2 3/3", "f 0 1 2", "f -1 1 2", "f 1.5 2 3", "garbage"}) {
