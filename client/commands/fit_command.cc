@@ -90,6 +90,9 @@ class FitJob {
     *request.mutable_options() = arguments_.options;
     if (arguments_.cage.empty()) {
       request.mutable_make_template()->set_vertices(arguments_.vertices);
+      if (arguments_.crease_angle.has_value()) {
+        request.mutable_make_template()->set_crease_angle_degrees(*arguments_.crease_angle);
+      }
       return request;
     }
     ASSIGN_OR_RETURN(cage_, ReadControlMesh(arguments_.cage));
@@ -219,6 +222,8 @@ class FitJob {
     return {{"inputs", arguments_.inputs},
             {"template", arguments_.cage},
             {"vertices", arguments_.vertices},
+            {"crease_angle",
+             arguments_.crease_angle.has_value() ? Json(*arguments_.crease_angle) : Json()},
             {"server", arguments_.server},
             {"position_bits", arguments_.position_bits},
             {"options", ToJson(report_.session.options())}};

@@ -43,10 +43,10 @@ void PrintRow(const FrameRecord& frame, size_t index, double diagonal, std::ostr
   const double mean = frame.distances ? frame.distances->mean : r.distances().mean();
   const double max = frame.distances ? frame.distances->max : r.distances().max();
   const v1::StageMilliseconds& ms = r.milliseconds();
-  out << absl::StreamFormat("%5d %9.4f %9.4f %9.4f %6d %8.1f %8.1f %8.1f %8.1f  %s\n", index,
-                            scale * mean, RmsPercent(frame, diagonal), scale * max, r.iterations(),
-                            ms.decode(), ms.index(), ms.solve(), ms.measure() + ms.encode(),
-                            VerdictName(r.verdict()));
+  out << absl::StreamFormat(
+      "%5d %9.4f %9.4f %9.4f %9.4f %8d %6d %8.1f %8.1f %8.1f %8.1f  %s\n", index, scale * mean,
+      RmsPercent(frame, diagonal), scale * max, scale * r.noise(), r.outliers(), r.iterations(),
+      ms.decode(), ms.index(), ms.solve(), ms.measure() + ms.encode(), VerdictName(r.verdict()));
 }
 
 }  // namespace
@@ -143,9 +143,10 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
     std::sort(rows.begin(), rows.end());
     out << "The " << kMostRows << " worst of " << report.frames.size() << " frames:\n";
   }
-  out << "       distance, % of the diagonal                   milliseconds\n"
-      << absl::StreamFormat("%5s %9s %9s %9s %6s %8s %8s %8s %8s\n", "frame", "mean", "RMS", "max",
-                            "steps", "decode", "index", "solve", "rest");
+  out << "       distance, % of the diagonal        noise, %                   milliseconds\n"
+      << absl::StreamFormat("%5s %9s %9s %9s %9s %8s %6s %8s %8s %8s %8s\n", "frame", "mean", "RMS",
+                            "max", "of it", "outliers", "steps", "decode", "index", "solve",
+                            "rest");
   for (const size_t k : rows) PrintRow(report.frames[k], k, report.diagonal, out);
   const FitTotals totals = Totals(report);
   out << absl::StreamFormat(

@@ -8,6 +8,7 @@ namespace cagefit {
 struct Energies {
   double distance = 0;  // E_dist
   double arap = 0;      // alpha E_reg
+  double coverage = 0;  // E_cov
   double total() const { return distance + arap; }
 };
 

@@ -9,7 +9,8 @@
 
 namespace cagefit::server {
 
-// Lines "v x y z" and "f a b c" (indices from 1), comments and blank lines. INVALID_ARGUMENT naming
+// Lines "v x y z" and "f a b c" (indices from 1), "# cagefit crease a b" and "# cagefit corner a",
+// other comments and blank lines. INVALID_ARGUMENT naming
 // the line for anything else, more than `max_vertices` vertices, or an invalid control mesh.
 absl::StatusOr<ControlMesh> ReadTemplateObj(absl::string_view text, int32_t max_vertices);
 

@@ -10,6 +10,7 @@
 #include "core/codec/draco_codec.h"
 #include "core/fit/fit_options.h"
 #include "core/mesh/control_mesh.h"
+#include "server/session/template_maker.h"
 
 namespace cagefit::server {
 
@@ -23,10 +24,9 @@ struct SessionConfig {
   DeltaEncoding delta_encoding = DeltaEncoding::kPacked;
   uint32_t key_interval = 100;  // a key frame at least every so many frames; 1 to 100,000
 
-  // Exactly one of the two: a control mesh, or how many vertices the one made from the first frame
-  // shall have.
+  // Without a control mesh, the first frame makes one as make_template says.
   std::optional<ControlMesh> control_mesh;
-  int32_t template_vertices = 0;  // 4 or more when asked for
+  TemplateRequest make_template;
 
   static constexpr size_t kMaxNameBytes = 200;
 

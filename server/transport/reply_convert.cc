@@ -37,6 +37,7 @@ void Fill(const EncodedDelta& delta, v1::VertexDelta* proto) {
 void Fill(const Energies& energies, v1::Energies* proto) {
   proto->set_distance(energies.distance);
   proto->set_arap(energies.arap);
+  proto->set_coverage(energies.coverage);
 }
 
 void Fill(const StoredFrame& frame, v1::SampledDistances* proto) {
@@ -70,6 +71,8 @@ void FillFit(const StoredFrame& frame, v1::FrameReply* reply) {
   reply->set_radius_in_spacings(frame.fit.radius_in_spacings);
   reply->set_grown_samples(frame.fit.grown_samples);
   reply->set_far_samples(frame.fit.far_samples);
+  reply->set_noise(frame.fit.noise);
+  reply->set_outliers(frame.fit.outliers);
 }
 
 }  // namespace

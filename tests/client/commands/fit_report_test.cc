@@ -49,6 +49,20 @@ TEST(FitReportTest, JsonHoldsEveryFrame) {
   EXPECT_EQ(json["total"]["fitted"], 2);
 }
 
+TEST(FitReportTest, NoiseOutliersAndCoverageAreTold) {
+  FitReport report = ThreeFrames();
+  report.frames[0].reply.set_noise(0.005);
+  report.frames[0].reply.set_outliers(1234);
+  report.frames[0].reply.mutable_final_energies()->set_coverage(0.5);
+  const Json json = ReportJson(report);
+  EXPECT_EQ(json["frames"][0]["noise"], 0.005);
+  EXPECT_EQ(json["frames"][0]["outliers"], "1234") << "proto3 JSON writes 64 bits as text";
+  EXPECT_EQ(json["frames"][0]["final_energies"]["coverage"], 0.5);
+  std::ostringstream table;
+  PrintFitTable(report, table);
+  EXPECT_THAT(table.str(), HasSubstr("0.2500     1234")) << "noise in percent, and outliers";
+}
+
 TEST(FitReportTest, TheTableShowsTheWorstOfManyFrames) {
   FitReport report = ThreeFrames();
   report.frames.resize(200, report.frames[0]);

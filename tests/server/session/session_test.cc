@@ -302,13 +302,14 @@ TEST(SessionTest, WithoutAQuantumPositionsAreSent) {
 
 TEST(SessionTest, MakesItsTemplateFromTheFirstFrame) {
   SessionConfig config;
-  config.template_vertices = 42;
+  config.make_template = {42, 30};
   OpenSession open(std::move(config));
   open.templates.result = FrameCage();
   const auto first = open.Answer(MovingFrame(0));
   ASSERT_TRUE(first.ok()) << first.status();
   EXPECT_TRUE(first->frame->made_template);
-  EXPECT_EQ(open.templates.asked_vertices, 42);
+  EXPECT_EQ(open.templates.asked.vertices, 42);
+  EXPECT_EQ(open.templates.asked.crease_angle_degrees, 30);
   EXPECT_EQ(open.ledger->TemplateMesh()->vertices(), FrameCage().vertices());
   EXPECT_EQ(open.ledger->Facts().control_vertices, 42);
   const auto second = open.Answer(MovingFrame(1));
@@ -319,7 +320,7 @@ TEST(SessionTest, MakesItsTemplateFromTheFirstFrame) {
 
 TEST(SessionTest, AFrameThatGivesNoTemplateIsRejectedAndTheNextTried) {
   SessionConfig config;
-  config.template_vertices = 42;
+  config.make_template.vertices = 42;
   OpenSession open(std::move(config));
   open.templates.result = absl::InvalidArgumentError("no surface");
   const auto first = open.Answer(MovingFrame(0));
@@ -332,7 +333,7 @@ TEST(SessionTest, AFrameThatGivesNoTemplateIsRejectedAndTheNextTried) {
 
 TEST(SessionTest, ATemplateAboveTheLimitIsExhaustion) {
   SessionConfig config;
-  config.template_vertices = 40;
+  config.make_template.vertices = 40;
   SessionLimits limits;
   limits.max_control_vertices = 41;
   OpenSession open(std::move(config), limits);

@@ -35,6 +35,7 @@ TEST(ReplyConvertTest, AFittedFrameTellsEverything) {
   EXPECT_EQ(reply.initial_energies().arap(), frame.fit.initial.arap);
   EXPECT_EQ(reply.final_energies().distance(), frame.fit.final.distance);
   EXPECT_EQ(reply.final_energies().arap(), frame.fit.final.arap);
+  EXPECT_EQ(reply.final_energies().coverage(), frame.fit.final.coverage);
   EXPECT_EQ(reply.iterations(), static_cast<uint32_t>(frame.fit.iterations));
   EXPECT_EQ(reply.converged(), frame.fit.converged);
   EXPECT_EQ(reply.distances().mean(), frame.distances.mean);
@@ -101,9 +102,24 @@ TEST(ReplyConvertTest, EveryVerdictHasItsName) {
   }
 }
 
+TEST(ReplyConvertTest, CoverageNoiseAndOutliersAreTold) {
+  OpenSession open(CageConfig());
+  auto frame = std::make_shared<StoredFrame>();
+  frame->outcome = Outcome::kFitted;
+  frame->fit.initial.coverage = 3;
+  frame->fit.final.coverage = 2;
+  frame->fit.noise = 0.25;
+  frame->fit.outliers = 7;
+  const v1::FrameReply reply = ToProto(FrameAnswer{frame}, *open.ledger);
+  EXPECT_EQ(reply.initial_energies().coverage(), 3);
+  EXPECT_EQ(reply.final_energies().coverage(), 2);
+  EXPECT_EQ(reply.noise(), 0.25);
+  EXPECT_EQ(reply.outliers(), 7u);
+}
+
 TEST(ReplyConvertTest, TheFirstFrameBringsTheTemplateThatItMade) {
   SessionConfig config;
-  config.template_vertices = 42;
+  config.make_template.vertices = 42;
   OpenSession open(std::move(config));
   open.templates.result = FrameCage();
   const v1::FrameReply first = ToProto(*open.Answer(MovingFrame(0)), *open.ledger);
