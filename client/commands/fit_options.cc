@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include "client/commands/parse_tolerance.h"
+
 namespace cagefit::client {
 namespace {
 
@@ -143,6 +145,17 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
           "--crease-angle", a->crease_angle,
           "Degrees: sharper edges of that mesh become creases; 0: none; default: automatic")
       ->excludes(cage);
+  command->add_option_function<std::string>(
+      "--tolerance",
+      [a](const std::string& text) {
+        const auto share = ParseTolerance(text);
+        if (!share.ok()) throw CLI::ValidationError(std::string(share.status().message()));
+        a->options.set_tolerance(*share);
+      },
+      "Add control vertices until all points of the first frame but the farthest 0.1 % are within "
+      "it: percent of the diagonal, as in 0.1%, or a share, as in 0.001");
+  AddValue<uint32_t>(command, "--max-vertices", "With --tolerance: control vertices at most",
+                     [a](uint32_t value) { a->options.set_max_vertices(value); });
   command->add_option("--server", a->server,
                       "HOST:PORT or unix:PATH; default: a server inside this program");
   command->add_option("--config", "File of options, one name=value a line");

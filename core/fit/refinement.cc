@@ -2,14 +2,20 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
+
+#include "core/base/status.h"
+#include "core/mesh/tangential_relax.h"
+#include "core/mesh/valence_flips.h"
+#include "core/subdiv/edge_split.h"
 
 namespace cagefit {
 
 namespace {
 
-// Of a triangle's longest edge: all three edges of a well-shaped triangle, so that it becomes four
-// like itself, and only the long ones of a needle.
-constexpr double kLongShare = 0.7;
+// Of a triangle's longest edge: splitting this one and its equals spends a third to a half fewer
+// vertices for the same distance than splitting all three.
+constexpr double kLongShare = 0.95;
 
 double EdgeLength(const ControlMesh& mesh, int32_t edge) {
   const auto& [a, b] = mesh.topology().edge(edge);
@@ -50,6 +56,18 @@ std::vector<int32_t> EdgesToSplit(const ControlMesh& fit, const TargetDistances&
   }
   std::sort(edges.begin(), edges.end());
   return edges;
+}
+
+absl::StatusOr<ControlMesh> SplitAndRelax(const ControlMesh& mesh,
+                                          absl::Span<const int32_t> edges) {
+  ASSIGN_OR_RETURN(ControlMesh split, SplitEdges(mesh, edges));
+  split = RelaxTangentially(split, /*steps=*/1);
+  Triangles triangles = split.triangles();
+  FlipTowardsRegularValence(split.vertices(), split.tags(), std::vector<char>(triangles.cols(), 1),
+                            &triangles);
+  ASSIGN_OR_RETURN(split,
+                   ControlMesh::Create(split.vertices(), std::move(triangles), split.tags()));
+  return RelaxTangentially(split, /*steps=*/1);
 }
 
 }  // namespace cagefit

@@ -12,7 +12,6 @@
 #include "core/cloud/spacing.h"
 #include "core/fit/normalization.h"
 #include "core/fit/refinement.h"
-#include "core/subdiv/edge_split.h"
 
 namespace cagefit {
 
@@ -20,15 +19,20 @@ namespace {
 
 constexpr double kGrowth = 0.4;      // new vertices of a round, per vertex
 constexpr int32_t kLeastGrowth = 8;  // so that a tiny start grows, too
-constexpr int kMaxRoundsInVain = 2;
+// The triangles of a small mesh are uneven for a round or two before they pay.
+constexpr int kMaxRoundsInVain = 3;
 // A smooth surface comes closer with the square of the number of vertices, one with edges at least
-// in proportion. A round helps when it gains more than this power of its growth.
+// in proportion. A round helps when it gains more than this power of its growth, and more than
+// chance gives a round of few vertices.
 constexpr double kLeastOrder = 0.25;
+constexpr double kLeastGain = 0.97;
 // Edges below this multiple of the points' spacing stand for noise.
 constexpr double kLeastEdgePerSpacing = 0.5;
 
 // The state after one fit.
 struct Round {
+  explicit Round(ControlMesh mesh) : fit(std::move(mesh)) {}
+
   ToleranceFit fit;
   TargetDistances distances;
   double ignore_beyond = 0;  // outliers are farther
@@ -50,7 +54,7 @@ class Refiner {
     ASSIGN_OR_RETURN(const Normalization normalization,
                      Normalization::FromBox(BoundingBox(target_.points)));
     ASSIGN_OR_RETURN(Fitter fitter, Fitter::Create(mesh, normalization, options_));
-    Round round{{std::move(mesh)}};
+    Round round(std::move(mesh));
     ASSIGN_OR_RETURN(const FitSummary summary, fitter.Fit(target_, {round.fit.mesh.vertices()},
                                                           cancelled_, nullptr, &round.fit.fitted));
     round.distances = DistancesToFit(Fitted(round), target_.points);
@@ -72,7 +76,7 @@ class Refiner {
     limits.vertices =
         std::min(std::max(kLeastGrowth, static_cast<int32_t>(kGrowth * n)), max_vertices_ - n);
     const ControlMesh fitted = Fitted(round);
-    return SplitEdges(fitted, EdgesToSplit(fitted, round.distances, limits));
+    return SplitAndRelax(fitted, EdgesToSplit(fitted, round.distances, limits));
   }
 
   bool IsWithin(const Round& round) const { return round.fit.distances.most <= tolerance_; }
@@ -81,7 +85,7 @@ class Refiner {
   static bool Helped(const Round& before, const Round& after) {
     const double growth = static_cast<double>(after.fit.mesh.vertex_count()) /
                           static_cast<double>(before.fit.mesh.vertex_count());
-    const double gain = std::pow(growth, -kLeastOrder);
+    const double gain = std::min(kLeastGain, std::pow(growth, -kLeastOrder));
     return after.fit.distances.most < gain * before.fit.distances.most ||
            static_cast<double>(after.beyond) < gain * static_cast<double>(before.beyond);
   }
@@ -111,15 +115,18 @@ absl::Status ToleranceOptions::Validate() const {
       absl::StrFormat("max_vertices is %d; it must be from 0", max_vertices));
 }
 
+int32_t MostToleranceVertices(int64_t target_points) {
+  return static_cast<int32_t>(
+      std::min<int64_t>(target_points / 2, std::numeric_limits<int32_t>::max()));
+}
+
 absl::StatusOr<ToleranceFit> FitToTolerance(const ControlMesh& start, const PointCloud& target,
                                             const ToleranceOptions& tolerance,
                                             const FitOptions& options, const CancelFn& cancelled) {
   RETURN_IF_ERROR(tolerance.Validate());
   RETURN_IF_ERROR(ValidateTarget(target));
-  const int32_t most = tolerance.max_vertices > 0
-                           ? tolerance.max_vertices
-                           : static_cast<int32_t>(std::min<int64_t>(
-                                 target.size() / 2, std::numeric_limits<int32_t>::max()));
+  const int32_t most =
+      tolerance.max_vertices > 0 ? tolerance.max_vertices : MostToleranceVertices(target.size());
   const Refiner refiner(target, tolerance.tolerance * BoundingBox(target.points).diagonal(), most,
                         options, cancelled);
 

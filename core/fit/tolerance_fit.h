@@ -3,6 +3,7 @@
 #define CAGEFIT_CORE_FIT_TOLERANCE_FIT_H_
 
 #include <cstdint>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "core/base/cancel.h"
@@ -24,6 +25,9 @@ struct ToleranceOptions {
   absl::Status Validate() const;
 };
 
+// What max_vertices 0 stands for.
+int32_t MostToleranceVertices(int64_t target_points);
+
 enum class ToleranceEnd {
   kWithin,       // all target points but the farthest kFarthestShare are within tolerance
   kVertexLimit,  // max_vertices did not suffice
@@ -33,6 +37,8 @@ enum class ToleranceEnd {
 // A session whose template is `mesh` and whose first frame is the target fits it as well as
 // `distances` says: Fitter::Fit from there gives `fitted`, bit for bit.
 struct ToleranceFit {
+  explicit ToleranceFit(ControlMesh start) : mesh(std::move(start)) {}
+
   ControlMesh mesh;  // start and rest shape of the last fit
   Points3d fitted;   // its control vertices after it, user units
   ToleranceEnd end = ToleranceEnd::kWithin;

@@ -21,6 +21,16 @@ absl::Status CheckRequest(const TemplateRequest& request) {
                       "expected 0 to 180");
 }
 
+absl::Status CheckTolerance(const ToleranceOptions& tolerance) {
+  if (tolerance.max_vertices != 0 && tolerance.max_vertices < 4) {
+    return InvalidField("options.max_vertices", absl::StrCat(tolerance.max_vertices),
+                        "expected 4 or more");
+  }
+  if (tolerance.Validate().ok()) return absl::OkStatus();
+  return InvalidField("options.tolerance", absl::StrCat(tolerance.tolerance),
+                      "expected 0 (off), or 1e-6 to 0.1");
+}
+
 }  // namespace
 
 absl::Status SessionConfig::Validate() const {
@@ -36,6 +46,7 @@ absl::Status SessionConfig::Validate() const {
                         "expected 1 to 100,000");
   }
   if (!control_mesh.has_value()) RETURN_IF_ERROR(CheckRequest(make_template));
+  if (tolerance.has_value()) RETURN_IF_ERROR(CheckTolerance(*tolerance));
   const absl::Status fit_status = fit.Validate();
   if (!fit_status.ok()) {
     return WithDetail(fit_status, {"INVALID_FIELD", "options.fit", "", ""});

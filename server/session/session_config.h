@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "core/codec/draco_codec.h"
 #include "core/fit/fit_options.h"
+#include "core/fit/tolerance_fit.h"
 #include "core/mesh/control_mesh.h"
 #include "server/session/template_maker.h"
 
@@ -24,11 +25,16 @@ struct SessionConfig {
   DeltaEncoding delta_encoding = DeltaEncoding::kPacked;
   uint32_t key_interval = 100;  // a key frame at least every so many frames; 1 to 100,000
 
+  // The first frame refines the template as this says (fit/tolerance_fit.h); not set: as it is.
+  std::optional<ToleranceOptions> tolerance;
+
   // Without a control mesh, the first frame makes one as make_template says.
   std::optional<ControlMesh> control_mesh;
   TemplateRequest make_template;
 
   static constexpr size_t kMaxNameBytes = 200;
+  // Control vertices that tolerance mode starts from where the client names no number.
+  static constexpr int32_t kToleranceStartVertices = 200;
 
   // INVALID_ARGUMENT naming field, value and range.
   absl::Status Validate() const;

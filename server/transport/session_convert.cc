@@ -16,6 +16,15 @@ absl::Status ReadOptions(const v1::SessionOptions& proto, SessionConfig* config)
   ASSIGN_OR_RETURN(config->fit, FromProto(proto.fit()));
   if (proto.has_quantum()) config->quantum = proto.quantum();
   if (proto.has_key_interval()) config->key_interval = proto.key_interval();
+  if (proto.tolerance() != 0) {
+    config->tolerance = ToleranceOptions{proto.tolerance(), 0};
+    if (proto.has_max_vertices()) {
+      if (proto.max_vertices() == 0) {
+        return InvalidField("options.max_vertices", "0", "expected 4 or more");
+      }
+      config->tolerance->max_vertices = ClampToInt(proto.max_vertices());
+    }
+  }
   switch (proto.delta_encoding()) {
     case v1::DELTA_ENCODING_UNSPECIFIED:
       break;
@@ -82,7 +91,11 @@ absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
       }
       break;
     case v1::CreateSessionRequest::TEMPLATE_NOT_SET:
+      if (config.tolerance.has_value()) break;
       return InvalidField("template", "not set", "expected control_mesh or make_template");
+  }
+  if (config.tolerance.has_value() && config.make_template.vertices == 0) {
+    config.make_template.vertices = SessionConfig::kToleranceStartVertices;
   }
   return config;
 }
@@ -99,6 +112,12 @@ v1::Session ToProto(const SessionLedger& ledger) {
                                                     ? v1::DELTA_ENCODING_DRACO
                                                     : v1::DELTA_ENCODING_PACKED);
   session.mutable_options()->set_key_interval(config.key_interval);
+  if (config.tolerance.has_value()) {
+    session.mutable_options()->set_tolerance(config.tolerance->tolerance);
+    if (config.tolerance->max_vertices > 0) {
+      session.mutable_options()->set_max_vertices(config.tolerance->max_vertices);
+    }
+  }
   *session.mutable_created() = ToProto(ledger.created());
   session.set_epoch(facts.epoch);
   session.set_next_sequence_number(facts.next_sequence_number);

@@ -32,6 +32,8 @@ TEST(CommandLineTest, WrongUsageEndsWithTwoAndSaysWhatIsWrong) {
       {"fit", "x.ply", "--out", "o", "--vertices", "10", "--template", "c.obj"},
       {"fit", "x.ply", "--out", "o", "--vertices", "many"},
       {"fit", "x.ply", "--out", "o", "--vertices", "10", "--quick=maybe"},
+      {"fit", "x.ply", "--out", "o", "--tolerance", "0.1"},
+      {"fit", "x.ply", "--out", "o", "--tolerance", "fine"},
       {"refine", "c.obj", "--out", "m.obj", "--levels", "9"},
       {"synth", "cube", "--out", "o"},
       {"session", "list", "extra"}};

@@ -112,6 +112,13 @@ TEST(FitOptionsTest, ACreaseAngleIsForAMeshThatIsMade) {
   EXPECT_THROW(Parse("--template c.obj --crease-angle 30"), CLI::ParseError);
 }
 
+TEST(FitOptionsTest, AToleranceIsAShareOnTheWire) {
+  const FitArguments arguments = Parse("--tolerance 0.1% --max-vertices 3000");
+  EXPECT_DOUBLE_EQ(arguments.options.tolerance(), 0.001);
+  EXPECT_EQ(arguments.options.max_vertices(), 3000u);
+  EXPECT_THROW(Parse("--tolerance fine"), CLI::ParseError);
+}
+
 TEST(FitOptionsTest, RefusesWhatIsNoValue) {
   for (const char* flags :
        {"--preset best", "--field mls", "--sampling all", "--kernel welsch", "--solver sgd",

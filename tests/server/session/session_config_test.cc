@@ -87,6 +87,22 @@ TEST(SessionConfigTest, RefusesACreaseAngleOutOfRange) {
   }
 }
 
+TEST(SessionConfigTest, RefusesAToleranceOutOfRange) {
+  SessionConfig config = testing::CageConfig();
+  for (const double tolerance : {1e-6, 0.1}) {
+    config.tolerance = ToleranceOptions{tolerance, 0};
+    EXPECT_EQ(config.Validate(), absl::OkStatus()) << tolerance;
+  }
+  config.tolerance = ToleranceOptions{0.25, 0};
+  ExpectRefused(config, "options.tolerance", "0.25");
+  config.tolerance = ToleranceOptions{-1, 0};
+  ExpectRefused(config, "options.tolerance", "-1");
+  config.tolerance = ToleranceOptions{1e-3, 3};
+  ExpectRefused(config, "options.max_vertices", "3");
+  config.tolerance = ToleranceOptions{1e-3, -7};
+  ExpectRefused(config, "options.max_vertices", "-7");
+}
+
 TEST(SessionConfigTest, RefusesBadFitOptionsNamingThem) {
   SessionConfig config = testing::CageConfig();
   config.fit.solver.max_iterations = 100'001;

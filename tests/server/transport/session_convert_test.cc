@@ -34,6 +34,8 @@ v1::SessionOptions UnusualOptions() {
   options.set_quantum(1e-3);
   options.set_delta_encoding(v1::DELTA_ENCODING_DRACO);
   options.set_key_interval(5);
+  options.set_tolerance(0.003);
+  options.set_max_vertices(500);
   return options;
 }
 
@@ -100,6 +102,42 @@ TEST(SessionConvertTest, AWishForATemplateArrives) {
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_EQ(config->make_template.vertices, 300);
   EXPECT_EQ(config->make_template.crease_angle_degrees, 0);
+}
+
+TEST(SessionConvertTest, AToleranceStartsFromASmallTemplateWhereNoneIsNamed) {
+  v1::CreateSessionRequest request;
+  request.mutable_options()->set_tolerance(0.002);
+  for (const bool crease_angle : {false, true}) {
+    if (crease_angle) request.mutable_make_template()->set_crease_angle_degrees(30);
+    const auto config = FromProto(request, SessionLimits());
+    ASSERT_TRUE(config.ok()) << config.status();
+    EXPECT_EQ(config->make_template.vertices, SessionConfig::kToleranceStartVertices);
+    EXPECT_EQ(config->make_template.crease_angle_degrees.has_value(), crease_angle);
+    EXPECT_EQ(config->tolerance->tolerance, 0.002);
+    EXPECT_EQ(config->tolerance->max_vertices, 0);
+    EXPECT_EQ(config->Validate(), absl::OkStatus());
+  }
+  request.mutable_make_template()->set_vertices(50);
+  EXPECT_EQ(FromProto(request, SessionLimits())->make_template.vertices, 50);
+}
+
+TEST(SessionConvertTest, AToleranceOf0IsOff) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_options()->set_tolerance(0);
+  EXPECT_FALSE(FromProto(request, SessionLimits())->tolerance.has_value());
+}
+
+TEST(SessionConvertTest, AToleranceAndItsLimitThatAreOutOfRangeAreRefused) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_options()->set_tolerance(-0.5);
+  EXPECT_TRUE(absl::IsInvalidArgument(FromProto(request, SessionLimits())->Validate()));
+  request.mutable_options()->set_tolerance(std::nan(""));
+  EXPECT_TRUE(absl::IsInvalidArgument(FromProto(request, SessionLimits())->Validate()));
+  request.mutable_options()->set_tolerance(0.001);
+  request.mutable_options()->set_max_vertices(0);
+  ExpectRefused(request, "options.max_vertices is 0");
+  request.mutable_options()->set_max_vertices(4'000'000'000u);
+  EXPECT_EQ(FromProto(request, SessionLimits())->tolerance->max_vertices, 2147483647);
 }
 
 TEST(SessionConvertTest, TheSessionTellsItsFacts) {
