@@ -25,7 +25,7 @@ std::vector<int32_t> EdgesToSplit(const ControlMesh& fit, const TargetDistances&
                                   const RefinementLimits& limits);
 
 // The mesh with these edges split (subdiv/edge_split.h) and its triangles evened out: local splits
-// alone leave valences and lengths that make a fit of 100 vertices worse than one of 40. One step
+// alone leave uneven triangles, of which thin parts are lost. One step
 // of relaxation; more of them flatten thin parts. Fails where SplitEdges does.
 absl::StatusOr<ControlMesh> SplitAndRelax(const ControlMesh& mesh, absl::Span<const int32_t> edges);
 

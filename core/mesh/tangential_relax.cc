@@ -17,7 +17,7 @@ std::vector<char> FreeVertices(const ControlMesh& mesh) {
 }
 
 Eigen::Vector3d Relaxed(const Points3d& V, int32_t v, absl::Span<const int32_t> ring) {
-  const Eigen::Vector3d x = V.col(v);
+  Eigen::Vector3d x = V.col(v);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
   for (size_t k = 0; k < ring.size(); ++k) {
     const Eigen::Vector3d a = V.col(ring[k]), b = V.col(ring[(k + 1) % ring.size()]);
