@@ -90,6 +90,9 @@ class FitJob {
     *request.mutable_options() = arguments_.options;
     if (arguments_.cage.empty()) {
       request.mutable_make_template()->set_vertices(arguments_.vertices);
+      if (arguments_.crease_angle.has_value()) {
+        request.mutable_make_template()->set_crease_angle_degrees(*arguments_.crease_angle);
+      }
       return request;
     }
     ASSIGN_OR_RETURN(cage_, ReadControlMesh(arguments_.cage));
@@ -170,7 +173,7 @@ class FitJob {
     record->status = frame.status;
     record->delta_bytes = static_cast<int64_t>(frame.reply.delta().ByteSizeLong());
     if (frame.status.ok()) {
-      if (!cage_.has_value()) {
+      if (!cage_.has_value() || frame.reply.has_tolerance()) {  // which refines a given one
         ASSIGN_OR_RETURN(cage_, MadeTemplate(frame));
       }
       record->control_vertices = std::move(frame.control_vertices);
@@ -219,6 +222,8 @@ class FitJob {
     return {{"inputs", arguments_.inputs},
             {"template", arguments_.cage},
             {"vertices", arguments_.vertices},
+            {"crease_angle",
+             arguments_.crease_angle.has_value() ? Json(*arguments_.crease_angle) : Json()},
             {"server", arguments_.server},
             {"position_bits", arguments_.position_bits},
             {"options", ToJson(report_.session.options())}};
@@ -239,7 +244,8 @@ class FitJob {
 int ExitCodeOf(const FitReport& report) {
   const FitTotals totals = Totals(report);
   if (totals.fitted == 0) return kFailed;
-  const bool all = totals.fitted == static_cast<int>(report.frames.size()) && totals.lost == 0;
+  const bool all = totals.fitted == static_cast<int>(report.frames.size()) && totals.lost == 0 &&
+                   !totals.beyond_tolerance;
   return all ? kDone : kPartlyDone;
 }
 
@@ -253,8 +259,9 @@ int ReportBrokenOff(const absl::Status& status, const FitReport& report, bool in
 }
 
 int Fit(const FitArguments& arguments) {
-  if (arguments.cage.empty() && arguments.vertices == 0) {
-    std::cerr << "cagefit: expected --template CAGE, or --vertices N to make one\n";
+  if (arguments.cage.empty() && arguments.vertices == 0 && !arguments.options.has_tolerance()) {
+    std::cerr
+        << "cagefit: expected --template CAGE, or --vertices N or --tolerance T to make one\n";
     return kWrongUsage;
   }
   auto files = ListInputs(arguments.inputs);

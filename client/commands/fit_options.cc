@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include "client/commands/parse_tolerance.h"
+
 namespace cagefit::client {
 namespace {
 
@@ -25,14 +27,70 @@ void AddValue(CLI::App* command, const std::string& flag, const std::string& tex
   command->add_option_function<Value>(flag, set, text);
 }
 
-// Flags that change the result.
-void AddFitSettings(v1::FitOptions* fit, CLI::App* command) {
+// A flag and its opposite.
+template <typename Set>
+void AddSwitch(CLI::App* command, const std::string& on, const std::string& off,
+               const std::string& text, const Set& set) {
+  command->add_flag_function(
+      on + ",!" + off, [set](int64_t value) { set(value > 0); }, text);
+}
+
+// What the fit is held to, and how the target is read.
+void AddTargetSettings(v1::FitOptions* fit, CLI::App* command) {
+  AddChoice<v1::Preset>(command, "--preset",
+                        {{"default", v1::PRESET_DEFAULT}, {"paper", v1::PRESET_PAPER}},
+                        "Where options that are not given come from",
+                        [fit](v1::Preset preset) { fit->set_preset(preset); });
+  AddSwitch(command, "--remove-outliers", "--keep-outliers",
+            "Leave out points far from all others, or keep them",
+            [fit](bool on) { fit->set_remove_outliers(on); });
+  AddSwitch(command, "--repair-normals", "--keep-normals",
+            "Turn normals that face against their neighbours, or keep them",
+            [fit](bool on) { fit->set_repair_normals(on); });
+  AddChoice<v1::Kernel>(command, "--kernel",
+                        {{"identity", v1::KERNEL_IDENTITY},
+                         {"huber", v1::KERNEL_HUBER},
+                         {"geman-mcclure", v1::KERNEL_GEMAN_MCCLURE},
+                         {"tukey", v1::KERNEL_TUKEY}},
+                        "How much a distance counts",
+                        [fit](v1::Kernel kernel) { fit->set_kernel(kernel); });
+  AddValue<double>(command, "--kernel-scale",
+                   "Where the kernel sets in, units; 0: twice the noise of each frame",
+                   [fit](double value) { fit->set_kernel_scale(value); });
+  AddValue<double>(command, "--coverage-weight",
+                   "Weight of the distance from the target to the surface; 0: none",
+                   [fit](double value) { fit->set_coverage_weight(value); });
+  AddValue<uint32_t>(command, "--coverage-points",
+                     "Points of the target that take part in that, per control vertex",
+                     [fit](uint32_t value) { fit->set_coverage_points_per_vertex(value); });
+}
+
+void AddFieldSettings(v1::FitOptions* fit, CLI::App* command) {
+  AddChoice<v1::Field>(command, "--field", {{"imls", v1::FIELD_IMLS}, {"rimls", v1::FIELD_RIMLS}},
+                       "Distance field", [fit](v1::Field field) { fit->set_field(field); });
   AddValue<double>(command, "--radius", "Radius of the distance field, units; 0: by the spacing",
                    [fit](double value) { fit->set_radius(value); });
+  AddValue<double>(command, "--radius-share",
+                   "Radius as a share of the longest side of the first frame's box",
+                   [fit](double value) { fit->set_radius_share(value); });
   AddValue<double>(command, "--radius-factor", "Radius in multiples of the cloud's spacing",
                    [fit](double value) { fit->set_radius_factor(value); });
+  AddValue<double>(command, "--first-radius",
+                   "Start with this multiple of the radius and halve it; 0: automatic",
+                   [fit](double value) { fit->set_first_radius(value); });
   AddValue<double>(command, "--far-radius", "Beyond it a sample is drawn to the nearest point",
                    [fit](double value) { fit->set_far_radius(value); });
+  AddChoice<v1::Sampling>(command, "--sampling",
+                          {{"control-vertices", v1::SAMPLING_CONTROL_VERTICES},
+                           {"refined-vertices", v1::SAMPLING_REFINED_VERTICES},
+                           {"area", v1::SAMPLING_AREA}},
+                          "Points of the surface that are held to the target",
+                          [fit](v1::Sampling sampling) { fit->set_sampling(sampling); });
+  AddValue<uint32_t>(command, "--samples-per-triangle", "With --sampling area",
+                     [fit](uint32_t value) { fit->set_samples_per_triangle(value); });
+}
+
+void AddSolverSettings(v1::FitOptions* fit, CLI::App* command) {
   AddValue<double>(command, "--arap-weight", "Weight of the regulariser",
                    [fit](double value) { fit->set_arap_weight(value); });
   AddChoice<v1::RestMesh>(
@@ -40,13 +98,10 @@ void AddFitSettings(v1::FitOptions* fit, CLI::App* command) {
       {{"template", v1::REST_MESH_TEMPLATE}, {"previous", v1::REST_MESH_PREVIOUS_FRAME}},
       "Shape that the regulariser holds to",
       [fit](v1::RestMesh rest) { fit->set_rest_mesh(rest); });
-  AddChoice<v1::Sampling>(command, "--sampling",
-                          {{"control-vertices", v1::SAMPLING_CONTROL_VERTICES},
-                           {"refined-vertices", v1::SAMPLING_REFINED_VERTICES}},
-                          "Points of the surface that are held to the target",
-                          [fit](v1::Sampling sampling) { fit->set_sampling(sampling); });
   AddChoice<v1::Solver>(command, "--solver",
-                        {{"gauss-newton", v1::SOLVER_GAUSS_NEWTON}, {"ceres", v1::SOLVER_CERES}},
+                        {{"gauss-newton", v1::SOLVER_GAUSS_NEWTON},
+                         {"ceres", v1::SOLVER_CERES},
+                         {"adam", v1::SOLVER_ADAM}},
                         "Solver", [fit](v1::Solver solver) { fit->set_solver(solver); });
   AddValue<uint32_t>(command, "--max-iterations", "Solver steps of a frame at most",
                      [fit](uint32_t value) { fit->set_max_iterations(value); });
@@ -54,6 +109,8 @@ void AddFitSettings(v1::FitOptions* fit, CLI::App* command) {
                    [fit](double value) { fit->set_relative_decrease(value); });
   AddValue<double>(command, "--first-stiffness", "Start with this multiple of the regulariser",
                    [fit](double value) { fit->set_first_stiffness(value); });
+  AddValue<double>(command, "--learning-rate", "Of Adam",
+                   [fit](double value) { fit->set_learning_rate(value); });
 }
 
 void AddDeltaSettings(v1::SessionOptions* options, CLI::App* command) {
@@ -83,6 +140,22 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
       ->add_option("--vertices", a->vertices,
                    "Make the control mesh from the first frame, with so many vertices")
       ->excludes(cage);
+  command
+      ->add_option(
+          "--crease-angle", a->crease_angle,
+          "Degrees: sharper edges of that mesh become creases; 0: none; default: automatic")
+      ->excludes(cage);
+  command->add_option_function<std::string>(
+      "--tolerance",
+      [a](const std::string& text) {
+        const auto share = ParseTolerance(text);
+        if (!share.ok()) throw CLI::ValidationError(std::string(share.status().message()));
+        a->options.set_tolerance(*share);
+      },
+      "Add control vertices until all points of the first frame but the farthest 0.1 % are within "
+      "it: percent of the diagonal, as in 0.1%, or a share, as in 0.001");
+  AddValue<uint32_t>(command, "--max-vertices", "With --tolerance: control vertices at most",
+                     [a](uint32_t value) { a->options.set_max_vertices(value); });
   command->add_option("--server", a->server,
                       "HOST:PORT or unix:PATH; default: a server inside this program");
   command->add_option("--config", "File of options, one name=value a line");
@@ -96,7 +169,9 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
   command->add_option("--position-bits", a->position_bits, "Of clouds that are not Draco yet")
       ->capture_default_str()
       ->check(CLI::Range(8, 30));
-  AddFitSettings(a->options.mutable_fit(), command);
+  AddTargetSettings(a->options.mutable_fit(), command);
+  AddFieldSettings(a->options.mutable_fit(), command);
+  AddSolverSettings(a->options.mutable_fit(), command);
   AddDeltaSettings(&a->options, command);
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct FitArguments {
   std::vector<std::string> inputs;
   std::string out, cage, server, name;
   uint32_t vertices = 0;
+  std::optional<double> crease_angle;  // degrees
   int position_bits = 16;
   int threads = 0;  // of the server inside; 0: one per core
   bool keep_session = false, quick = false, json = false;

@@ -43,10 +43,28 @@ void PrintRow(const FrameRecord& frame, size_t index, double diagonal, std::ostr
   const double mean = frame.distances ? frame.distances->mean : r.distances().mean();
   const double max = frame.distances ? frame.distances->max : r.distances().max();
   const v1::StageMilliseconds& ms = r.milliseconds();
-  out << absl::StreamFormat("%5d %9.4f %9.4f %9.4f %6d %8.1f %8.1f %8.1f %8.1f  %s\n", index,
-                            scale * mean, RmsPercent(frame, diagonal), scale * max, r.iterations(),
-                            ms.decode(), ms.index(), ms.solve(), ms.measure() + ms.encode(),
-                            VerdictName(r.verdict()));
+  out << absl::StreamFormat(
+      "%5d %9.4f %9.4f %9.4f %9.4f %8d %6d %8.1f %8.1f %8.1f %8.1f  %s\n", index, scale * mean,
+      RmsPercent(frame, diagonal), scale * max, scale * r.noise(), r.outliers(), r.iterations(),
+      ms.decode(), ms.index(), ms.solve(), ms.measure() + ms.encode(), VerdictName(r.verdict()));
+}
+
+void PrintTolerance(const v1::ToleranceReport& t, std::ostream& out) {
+  switch (t.end()) {
+    case v1::TOLERANCE_END_WITHIN:
+      out << "Within tolerance";
+      break;
+    case v1::TOLERANCE_END_VERTEX_LIMIT:
+      out << "NOT within tolerance, the limit of control vertices is reached";
+      break;
+    default:
+      out << "NOT within tolerance, more control vertices no longer help";
+  }
+  out << absl::StreamFormat(
+      ": %d control vertices after %d fits; %.4f %% (%g) for all points of the first frame but the "
+      "farthest 0.1 %%, RMS %.4f %%, at most %.4f %%\n",
+      t.control_vertices(), t.rounds(), t.most_percent(), t.most(), t.rms_percent(),
+      t.max_percent());
 }
 
 }  // namespace
@@ -82,6 +100,8 @@ FitTotals Totals(const FitReport& report) {
     ++totals.fitted;
     totals.suspect += frame.reply.verdict() == v1::VERDICT_SUSPECT;
     totals.lost += frame.reply.verdict() == v1::VERDICT_LOST;
+    totals.beyond_tolerance |=
+        frame.reply.has_tolerance() && frame.reply.tolerance().end() != v1::TOLERANCE_END_WITHIN;
     const double rms = RmsPercent(frame, report.diagonal);
     totals.mean_rms_percent += rms;
     totals.worst_rms_percent = std::max(totals.worst_rms_percent, rms);
@@ -116,6 +136,7 @@ Json ReportJson(const FitReport& report) {
                    {"unanswered", totals.unanswered},
                    {"suspect", totals.suspect},
                    {"lost", totals.lost},
+                   {"beyond_tolerance", totals.beyond_tolerance},
                    {"diagonal", report.diagonal},
                    {"mean_rms_percent", totals.mean_rms_percent},
                    {"worst_rms_percent", totals.worst_rms_percent},
@@ -143,9 +164,10 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
     std::sort(rows.begin(), rows.end());
     out << "The " << kMostRows << " worst of " << report.frames.size() << " frames:\n";
   }
-  out << "       distance, % of the diagonal                   milliseconds\n"
-      << absl::StreamFormat("%5s %9s %9s %9s %6s %8s %8s %8s %8s\n", "frame", "mean", "RMS", "max",
-                            "steps", "decode", "index", "solve", "rest");
+  out << "       distance, % of the diagonal        noise, %                   milliseconds\n"
+      << absl::StreamFormat("%5s %9s %9s %9s %9s %8s %6s %8s %8s %8s %8s\n", "frame", "mean", "RMS",
+                            "max", "of it", "outliers", "steps", "decode", "index", "solve",
+                            "rest");
   for (const size_t k : rows) PrintRow(report.frames[k], k, report.diagonal, out);
   const FitTotals totals = Totals(report);
   out << absl::StreamFormat(
@@ -157,6 +179,10 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
     out << absl::StreamFormat(", %.1f frames a second", totals.frames_per_second);
   }
   out << "\n";
+  for (const FrameRecord& frame : report.frames) {
+    if (IsFitted(frame) && frame.reply.has_tolerance())
+      PrintTolerance(frame.reply.tolerance(), out);
+  }
 }
 
 }  // namespace cagefit::client

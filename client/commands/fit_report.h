@@ -25,6 +25,7 @@ struct FrameRecord {
 
 struct FitTotals {
   int fitted = 0, refused = 0, unanswered = 0, suspect = 0, lost = 0;
+  bool beyond_tolerance = false;                       // a tolerance was asked for and not met
   double mean_rms_percent = 0, worst_rms_percent = 0;  // of the fitted frames
   double seconds = 0;                                  // from the first byte sent to the last reply
   double frames_per_second = 0;  // from the first reply to the last; 0 with fewer than two

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -102,6 +103,9 @@ int RunCommandLine(int argc, const char* const* argv) {
     const std::string name = command == &app ? "" : " " + command->get_name();
     std::cerr << "cagefit: " << error.what() << "\nRun cagefit" << name
               << " --help for its options.\n";
+    return kWrongUsage;
+  } catch (const std::invalid_argument&) {  // CLI11's own, without a name
+    std::cerr << "cagefit: a switch was given a value that is neither true nor false\n";
     return kWrongUsage;
   }
   return run();

@@ -26,6 +26,8 @@ struct FitSummary {
   double radius_in_spacings = 0;
   int grown_samples = 0;  // samples whose radius was doubled at least once, last iteration
   int far_samples = 0;    // samples beyond the far radius, last iteration
+  double noise = 0;       // standard deviation of the points off their surface, user units
+  int64_t outliers = 0;   // points that were left out
   double index_ms = 0, solve_ms = 0;  // by the caller's clock; 0 without one
 };
 

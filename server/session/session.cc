@@ -119,6 +119,7 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   if (absl::IsInternal(summary.status())) return Diverged(summary.status());
   RETURN_IF_ERROR(summary.status());
   answer->fit = *summary;
+  answer->control_vertices = model.template_mesh().vertex_count();
   answer->ms.index = summary->index_ms;
   answer->ms.solve = summary->solve_ms;
 
@@ -150,17 +151,45 @@ absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const Cancel
   const double start = clock_();
   std::optional<ControlMesh> template_mesh = config.control_mesh;
   if (!template_mesh.has_value()) {
-    ASSIGN_OR_RETURN(template_mesh,
-                     templates_->Make(frame.bytes, config.template_vertices, cancelled));
+    ASSIGN_OR_RETURN(template_mesh, templates_->Make(frame.bytes, config.make_template, cancelled));
     answer->made_template = true;
     const int32_t most = ledger_->limits().max_control_vertices;
     if (template_mesh->vertex_count() > most) {
       return LimitExceeded("control vertices of the template", template_mesh->vertex_count(), most);
     }
   }
+  if (config.tolerance.has_value()) {
+    ASSIGN_OR_RETURN(template_mesh, RefineTemplate(*template_mesh, frame, cancelled, answer));
+  }
   auto model = SurfaceModel::Create(*template_mesh, *frame.cloud, config);
   answer->ms.template_making = clock_() - start;
   return model;
+}
+
+absl::StatusOr<ControlMesh> Session::RefineTemplate(const ControlMesh& start, const Frame& frame,
+                                                    const CancelFn& cancelled,
+                                                    StoredFrame* answer) const {
+  const SessionConfig& config = ledger_->config();
+  const PointCloud& target = *frame.cloud;
+  ToleranceOptions options = *config.tolerance;
+  if (options.max_vertices == 0) {
+    options.max_vertices = MostToleranceVertices(target.size());
+  }
+  options.max_vertices = std::max(
+      start.vertex_count(), std::min(options.max_vertices, ledger_->limits().max_control_vertices));
+  auto fit = FitToTolerance(start, target, options, config.fit, cancelled);
+  if (absl::IsInternal(fit.status())) return Diverged(fit.status());
+  RETURN_IF_ERROR(fit.status());
+  ToleranceReport report;
+  report.end = fit->end;
+  report.diagonal = BoundingBox(target.points).diagonal();
+  report.tolerance = options.tolerance * report.diagonal;
+  report.distances = fit->distances;
+  report.control_vertices = fit->mesh.vertex_count();
+  report.rounds = fit->rounds;
+  answer->tolerance = report;
+  answer->made_template = true;
+  return std::move(fit->mesh);
 }
 
 absl::Status Session::EncodeState(const SurfaceModel& model, const Points3d& fitted,

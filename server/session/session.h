@@ -57,6 +57,10 @@ class Session {
   std::vector<Points3d> Starts(const SurfaceModel& model) const;
   absl::StatusOr<SurfaceModel> MakeModel(const Frame& frame, const CancelFn& cancelled,
                                          StoredFrame* answer);
+  // The template of tolerance mode. From its vertices, the fit that follows is the last one of
+  // FitToTolerance over again, so what is reported holds for what the client gets.
+  absl::StatusOr<ControlMesh> RefineTemplate(const ControlMesh& start, const Frame& frame,
+                                             const CancelFn& cancelled, StoredFrame* answer) const;
   absl::Status EncodeState(const SurfaceModel& model, const Points3d& fitted, StoredFrame* answer,
                            Step* step) const;
   absl::Status Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step);

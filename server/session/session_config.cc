@@ -8,6 +8,31 @@
 
 namespace cagefit::server {
 
+namespace {
+
+absl::Status CheckRequest(const TemplateRequest& request) {
+  if (request.vertices < 4) {
+    return InvalidField("make_template.vertices", absl::StrCat(request.vertices),
+                        "expected 4 or more");
+  }
+  const double angle = request.crease_angle_degrees.value_or(0);
+  if (angle >= 0 && angle <= 180) return absl::OkStatus();  // false for NaN
+  return InvalidField("make_template.crease_angle_degrees", absl::StrCat(angle),
+                      "expected 0 to 180");
+}
+
+absl::Status CheckTolerance(const ToleranceOptions& tolerance) {
+  if (tolerance.max_vertices != 0 && tolerance.max_vertices < 4) {
+    return InvalidField("options.max_vertices", absl::StrCat(tolerance.max_vertices),
+                        "expected 4 or more");
+  }
+  if (tolerance.Validate().ok()) return absl::OkStatus();
+  return InvalidField("options.tolerance", absl::StrCat(tolerance.tolerance),
+                      "expected 0 (off), or 1e-6 to 0.1");
+}
+
+}  // namespace
+
 absl::Status SessionConfig::Validate() const {
   if (name.size() > kMaxNameBytes) {
     return InvalidField("name", absl::StrCat(name.size(), " bytes long"), "at most 200 bytes");
@@ -20,10 +45,8 @@ absl::Status SessionConfig::Validate() const {
     return InvalidField("options.key_interval", absl::StrCat(key_interval),
                         "expected 1 to 100,000");
   }
-  if (!control_mesh.has_value() && template_vertices < 4) {
-    return InvalidField("make_template.vertices", absl::StrCat(template_vertices),
-                        "expected 4 or more");
-  }
+  if (!control_mesh.has_value()) RETURN_IF_ERROR(CheckRequest(make_template));
+  if (tolerance.has_value()) RETURN_IF_ERROR(CheckTolerance(*tolerance));
   const absl::Status fit_status = fit.Validate();
   if (!fit_status.ok()) {
     return WithDetail(fit_status, {"INVALID_FIELD", "options.fit", "", ""});

@@ -9,7 +9,9 @@
 #include "absl/status/status.h"
 #include "core/codec/draco_codec.h"
 #include "core/fit/fit_options.h"
+#include "core/fit/tolerance_fit.h"
 #include "core/mesh/control_mesh.h"
+#include "server/session/template_maker.h"
 
 namespace cagefit::server {
 
@@ -23,12 +25,16 @@ struct SessionConfig {
   DeltaEncoding delta_encoding = DeltaEncoding::kPacked;
   uint32_t key_interval = 100;  // a key frame at least every so many frames; 1 to 100,000
 
-  // Exactly one of the two: a control mesh, or how many vertices the one made from the first frame
-  // shall have.
+  // The first frame refines the template as this says (fit/tolerance_fit.h); not set: as it is.
+  std::optional<ToleranceOptions> tolerance;
+
+  // Without a control mesh, the first frame makes one as make_template says.
   std::optional<ControlMesh> control_mesh;
-  int32_t template_vertices = 0;  // 4 or more when asked for
+  TemplateRequest make_template;
 
   static constexpr size_t kMaxNameBytes = 200;
+  // Control vertices that tolerance mode starts from where the client names no number.
+  static constexpr int32_t kToleranceStartVertices = 200;
 
   // INVALID_ARGUMENT naming field, value and range.
   absl::Status Validate() const;

@@ -28,7 +28,7 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfi
                                                                     absl::Time now) {
   RETURN_IF_ERROR(config.Validate());
   const int32_t vertices = config.control_mesh.has_value() ? config.control_mesh->vertex_count()
-                                                           : config.template_vertices;
+                                                           : config.make_template.vertices;
   if (vertices > limits_.session.max_control_vertices) {
     return LimitExceeded("control vertices", vertices, limits_.session.max_control_vertices);
   }

@@ -10,6 +10,7 @@
 #include "absl/time/time.h"
 #include "core/codec/vertex_delta.h"
 #include "core/fit/fitter.h"
+#include "core/fit/tolerance_fit.h"
 #include "core/metrics/verdict.h"
 #include "server/session/digest.h"
 #include "server/session/session_config.h"
@@ -35,6 +36,16 @@ struct StageTimes {  // milliseconds
   double queue = 0, decode = 0, template_making = 0, index = 0, solve = 0, measure = 0, encode = 0;
 };
 
+// What tolerance mode came to.
+struct ToleranceReport {
+  ToleranceEnd end = ToleranceEnd::kWithin;
+  double tolerance = 0;  // user units, as the distances
+  DistanceExtent distances;
+  double diagonal = 0;  // of the frame
+  int32_t control_vertices = 0;
+  int rounds = 0;
+};
+
 struct StoredFrame {
   uint64_t sequence_number = 0;
   std::optional<absl::Time> timestamp;
@@ -50,7 +61,9 @@ struct StoredFrame {
   SampledDistances distances;
   double rms_percent = 0;  // of the first target's diagonal
   Verdict verdict = Verdict::kOk;
-  bool made_template = false;  // the session's template came from this frame
+  int32_t control_vertices = 0;
+  bool made_template = false;  // the session's template was made or refined by this frame
+  std::optional<ToleranceReport> tolerance;
 
   int64_t StoredBytes() const;
 };

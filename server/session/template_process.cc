@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
@@ -77,19 +78,23 @@ absl::Status TemplateProcess::CheckAvailable() const {
       {"TEMPLATE_PROGRAM_MISSING", "make_template", program_, ""});
 }
 
-absl::StatusOr<ControlMesh> TemplateProcess::Make(absl::string_view draco, int32_t vertices,
+absl::StatusOr<ControlMesh> TemplateProcess::Make(absl::string_view draco,
+                                                  const TemplateRequest& request,
                                                   const CancelFn& cancelled) {
   RETURN_IF_ERROR(CheckAvailable());
   ASSIGN_OR_RETURN(const PrivateFolder folder, PrivateFolder::Create());
   const std::string input = absl::StrCat(folder.path(), "/frame.drc");
   const std::string output = absl::StrCat(folder.path(), "/cage.obj");
   RETURN_IF_ERROR(WriteFile(input, draco));
-  ASSIGN_OR_RETURN(const ChildResult result, RunChild({program_, "template", input, "--vertices",
-                                                       absl::StrCat(vertices), "--out", output},
-                                                      limits_, cancelled));
+  std::vector<std::string> command = {
+      program_, "template", input, "--vertices", absl::StrCat(request.vertices), "--out", output};
+  if (request.crease_angle_degrees.has_value()) {
+    command.insert(command.end(), {"--crease-angle", absl::StrCat(*request.crease_angle_degrees)});
+  }
+  ASSIGN_OR_RETURN(const ChildResult result, RunChild(command, limits_, cancelled));
   RETURN_IF_ERROR(ToStatus(result, limits_, program_));
   // Within 1 % of the request, by the program's contract; the bound only has to stop nonsense.
-  auto mesh = ReadTemplateObj(ReadFile(output), 2 * vertices);
+  auto mesh = ReadTemplateObj(ReadFile(output), 2 * request.vertices);
   if (mesh.ok()) return mesh;
   return WithDetail(
       absl::InternalError(absl::StrCat("the template program's output: ", mesh.status().message())),

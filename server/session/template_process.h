@@ -10,13 +10,14 @@
 
 namespace cagefit::server {
 
-// Runs "PROGRAM template INPUT.drc --vertices N --out CAGE.obj" in a private folder.
+// Runs "PROGRAM template INPUT.drc --vertices N --out CAGE.obj" in a private folder, with
+// "--crease-angle DEGREES" where one is given.
 class TemplateProcess : public TemplateMaker {
  public:
   TemplateProcess(std::string program, const ChildLimits& limits);
 
   absl::Status CheckAvailable() const override;
-  absl::StatusOr<ControlMesh> Make(absl::string_view draco, int32_t vertices,
+  absl::StatusOr<ControlMesh> Make(absl::string_view draco, const TemplateRequest& request,
                                    const CancelFn& cancelled) override;
 
  private:

@@ -37,6 +37,7 @@ void Fill(const EncodedDelta& delta, v1::VertexDelta* proto) {
 void Fill(const Energies& energies, v1::Energies* proto) {
   proto->set_distance(energies.distance);
   proto->set_arap(energies.arap);
+  proto->set_coverage(energies.coverage);
 }
 
 void Fill(const StoredFrame& frame, v1::SampledDistances* proto) {
@@ -58,6 +59,32 @@ void Fill(const StageTimes& ms, v1::StageMilliseconds* proto) {
   proto->set_encode(ms.encode);
 }
 
+v1::ToleranceEnd ToProto(ToleranceEnd end) {
+  switch (end) {
+    case ToleranceEnd::kWithin:
+      return v1::TOLERANCE_END_WITHIN;
+    case ToleranceEnd::kVertexLimit:
+      return v1::TOLERANCE_END_VERTEX_LIMIT;
+    case ToleranceEnd::kNoFurther:
+      return v1::TOLERANCE_END_NO_FURTHER;
+  }
+  return v1::TOLERANCE_END_UNSPECIFIED;
+}
+
+void Fill(const ToleranceReport& report, v1::ToleranceReport* proto) {
+  const double percent = 100 / report.diagonal;
+  proto->set_end(ToProto(report.end));
+  proto->set_tolerance(report.tolerance);
+  proto->set_rms(report.distances.rms);
+  proto->set_most(report.distances.most);
+  proto->set_max(report.distances.max);
+  proto->set_rms_percent(percent * report.distances.rms);
+  proto->set_most_percent(percent * report.distances.most);
+  proto->set_max_percent(percent * report.distances.max);
+  proto->set_control_vertices(report.control_vertices);
+  proto->set_rounds(report.rounds);
+}
+
 void FillFit(const StoredFrame& frame, v1::FrameReply* reply) {
   Fill(frame.delta, reply->mutable_delta());
   Fill(frame.fit.initial, reply->mutable_initial_energies());
@@ -70,6 +97,10 @@ void FillFit(const StoredFrame& frame, v1::FrameReply* reply) {
   reply->set_radius_in_spacings(frame.fit.radius_in_spacings);
   reply->set_grown_samples(frame.fit.grown_samples);
   reply->set_far_samples(frame.fit.far_samples);
+  reply->set_noise(frame.fit.noise);
+  reply->set_outliers(frame.fit.outliers);
+  reply->set_control_vertices(frame.control_vertices);
+  if (frame.tolerance.has_value()) Fill(*frame.tolerance, reply->mutable_tolerance());
 }
 
 }  // namespace

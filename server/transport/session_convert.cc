@@ -1,84 +1,30 @@
 #include "server/transport/session_convert.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
+#include "server/transport/fit_options_convert.h"
 #include "server/transport/time_convert.h"
 
 namespace cagefit::server {
 namespace {
 
-// Values beyond int32 stay out of every range that is checked later.
-int32_t ToInt(uint32_t value) {
-  return static_cast<int32_t>(std::min<uint32_t>(value, std::numeric_limits<int32_t>::max()));
-}
-
-absl::Status UnknownValue(const char* field, int value) {
-  return InvalidField(field, absl::StrCat(value), "this server does not know that value");
-}
-
-absl::Status ReadEnums(const v1::FitOptions& proto, FitOptions* options) {
-  switch (proto.sampling()) {
-    case v1::SAMPLING_UNSPECIFIED:
-      break;
-    case v1::SAMPLING_CONTROL_VERTICES:
-      options->distance.sampling = Sampling::kControlVertices;
-      break;
-    case v1::SAMPLING_REFINED_VERTICES:
-      options->distance.sampling = Sampling::kRefinedVertices;
-      break;
-    default:
-      return UnknownValue("options.fit.sampling", proto.sampling());
-  }
-  switch (proto.rest_mesh()) {
-    case v1::REST_MESH_UNSPECIFIED:
-      break;
-    case v1::REST_MESH_TEMPLATE:
-      options->arap.rest = RestMesh::kTemplate;
-      break;
-    case v1::REST_MESH_PREVIOUS_FRAME:
-      options->arap.rest = RestMesh::kPreviousFrame;
-      break;
-    default:
-      return UnknownValue("options.fit.rest_mesh", proto.rest_mesh());
-  }
-  switch (proto.solver()) {
-    case v1::SOLVER_UNSPECIFIED:
-      break;
-    case v1::SOLVER_GAUSS_NEWTON:
-      options->solver.solver = Solver::kGaussNewton;
-      break;
-    case v1::SOLVER_CERES:
-      options->solver.solver = Solver::kCeres;
-      break;
-    default:
-      return UnknownValue("options.fit.solver", proto.solver());
-  }
-  return absl::OkStatus();
-}
-
-absl::Status ReadFitOptions(const v1::FitOptions& proto, FitOptions* options) {
-  RETURN_IF_ERROR(ReadEnums(proto, options));
-  if (proto.has_radius()) options->distance.radius = proto.radius();
-  if (proto.has_radius_factor()) options->distance.radius_factor = proto.radius_factor();
-  if (proto.has_far_radius()) options->distance.far_radius = proto.far_radius();
-  if (proto.has_arap_weight()) options->arap.weight = proto.arap_weight();
-  if (proto.has_max_iterations()) options->solver.max_iterations = ToInt(proto.max_iterations());
-  if (proto.has_relative_decrease()) {
-    options->solver.relative_decrease = proto.relative_decrease();
-  }
-  if (proto.has_first_stiffness()) options->solver.first_stiffness = proto.first_stiffness();
-  return absl::OkStatus();
-}
-
 absl::Status ReadOptions(const v1::SessionOptions& proto, SessionConfig* config) {
-  RETURN_IF_ERROR(ReadFitOptions(proto.fit(), &config->fit));
+  ASSIGN_OR_RETURN(config->fit, FromProto(proto.fit()));
   if (proto.has_quantum()) config->quantum = proto.quantum();
   if (proto.has_key_interval()) config->key_interval = proto.key_interval();
+  if (proto.tolerance() != 0) {
+    config->tolerance = ToleranceOptions{proto.tolerance(), 0};
+    if (proto.has_max_vertices()) {
+      if (proto.max_vertices() == 0) {
+        return InvalidField("options.max_vertices", "0", "expected 4 or more");
+      }
+      config->tolerance->max_vertices = ClampToInt(proto.max_vertices());
+    }
+  }
   switch (proto.delta_encoding()) {
     case v1::DELTA_ENCODING_UNSPECIFIED:
       break;
@@ -89,7 +35,8 @@ absl::Status ReadOptions(const v1::SessionOptions& proto, SessionConfig* config)
       config->delta_encoding = DeltaEncoding::kDraco;
       break;
     default:
-      return UnknownValue("options.delta_encoding", proto.delta_encoding());
+      return InvalidField("options.delta_encoding", absl::StrCat(proto.delta_encoding()),
+                          "this server does not know that value");
   }
   return absl::OkStatus();
 }
@@ -125,25 +72,6 @@ absl::StatusOr<ControlMesh> ReadControlMesh(const v1::ControlMesh& proto,
   return WithDetail(mesh.status(), {"INVALID_CONTROL_MESH", "control_mesh", "", ""});
 }
 
-v1::FitOptions ToProto(const FitOptions& options) {
-  v1::FitOptions proto;
-  proto.set_sampling(options.distance.sampling == Sampling::kControlVertices
-                         ? v1::SAMPLING_CONTROL_VERTICES
-                         : v1::SAMPLING_REFINED_VERTICES);
-  proto.set_radius(options.distance.radius);
-  proto.set_radius_factor(options.distance.radius_factor);
-  proto.set_far_radius(options.distance.far_radius);
-  if (options.arap.weight.has_value()) proto.set_arap_weight(*options.arap.weight);
-  proto.set_rest_mesh(options.arap.rest == RestMesh::kTemplate ? v1::REST_MESH_TEMPLATE
-                                                               : v1::REST_MESH_PREVIOUS_FRAME);
-  proto.set_solver(options.solver.solver == Solver::kCeres ? v1::SOLVER_CERES
-                                                           : v1::SOLVER_GAUSS_NEWTON);
-  proto.set_max_iterations(options.solver.max_iterations);
-  proto.set_relative_decrease(options.solver.relative_decrease);
-  proto.set_first_stiffness(options.solver.first_stiffness);
-  return proto;
-}
-
 }  // namespace
 
 absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
@@ -157,10 +85,17 @@ absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
       break;
     }
     case v1::CreateSessionRequest::kMakeTemplate:
-      config.template_vertices = ToInt(request.make_template().vertices());
+      config.make_template.vertices = ClampToInt(request.make_template().vertices());
+      if (request.make_template().has_crease_angle_degrees()) {
+        config.make_template.crease_angle_degrees = request.make_template().crease_angle_degrees();
+      }
       break;
     case v1::CreateSessionRequest::TEMPLATE_NOT_SET:
+      if (config.tolerance.has_value()) break;
       return InvalidField("template", "not set", "expected control_mesh or make_template");
+  }
+  if (config.tolerance.has_value() && config.make_template.vertices == 0) {
+    config.make_template.vertices = SessionConfig::kToleranceStartVertices;
   }
   return config;
 }
@@ -177,6 +112,12 @@ v1::Session ToProto(const SessionLedger& ledger) {
                                                     ? v1::DELTA_ENCODING_DRACO
                                                     : v1::DELTA_ENCODING_PACKED);
   session.mutable_options()->set_key_interval(config.key_interval);
+  if (config.tolerance.has_value()) {
+    session.mutable_options()->set_tolerance(config.tolerance->tolerance);
+    if (config.tolerance->max_vertices > 0) {
+      session.mutable_options()->set_max_vertices(config.tolerance->max_vertices);
+    }
+  }
   *session.mutable_created() = ToProto(ledger.created());
   session.set_epoch(facts.epoch);
   session.set_next_sequence_number(facts.next_sequence_number);

@@ -31,6 +31,9 @@ TEST(CommandLineTest, WrongUsageEndsWithTwoAndSaysWhatIsWrong) {
       {"fit", "/etc/hostname", "--out", "o", "--vertices", "10"},
       {"fit", "x.ply", "--out", "o", "--vertices", "10", "--template", "c.obj"},
       {"fit", "x.ply", "--out", "o", "--vertices", "many"},
+      {"fit", "x.ply", "--out", "o", "--vertices", "10", "--quick=maybe"},
+      {"fit", "x.ply", "--out", "o", "--tolerance", "0.1"},
+      {"fit", "x.ply", "--out", "o", "--tolerance", "fine"},
       {"refine", "c.obj", "--out", "m.obj", "--levels", "9"},
       {"synth", "cube", "--out", "o"},
       {"session", "list", "extra"}};
@@ -61,6 +64,23 @@ TEST(CommandLineTest, SettingsThatAServerRefusesAreWrongUsage) {
   const ProgramResult nowhere = RunCagefit({"fit", folder, "--vertices", "50", "--out", "/proc/x"});
   EXPECT_EQ(nowhere.exit_code, 1);
   EXPECT_THAT(nowhere.err, HasSubstr("cannot be made"));
+}
+
+TEST(CommandLineTest, APresetIsWhereOtherSettingsStartFrom) {
+  const std::string folder = EmptyFolder("preset");
+  ASSERT_EQ(
+      RunCagefit({"synth", "blob", "--out", folder, "--frames", "1", "--points", "500"}).exit_code,
+      0);
+  const ProgramResult result =
+      RunCagefit({"fit", folder, "--vertices", "50", "--preset", "paper", "--max-iterations", "3",
+                  "--keep-normals", "--remove-outliers", "--out", folder + "/out"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto fit = ReadJson(folder + "/out/report.json")["settings"]["options"]["fit"];
+  EXPECT_EQ(fit["solver"], "SOLVER_ADAM");
+  EXPECT_EQ(fit["sampling"], "SAMPLING_CONTROL_VERTICES");
+  EXPECT_EQ(fit["max_iterations"], 3);
+  EXPECT_EQ(fit["remove_outliers"], true);
+  EXPECT_EQ(fit["repair_normals"], false);
 }
 
 TEST(CommandLineTest, NoServerEndsWithThreeAndNamesTheAddress) {

@@ -103,6 +103,46 @@ TEST(FitEndToEndTest, FilesOfOtherFormatsAndAMeshWork) {
             0.1);
 }
 
+TEST(FitEndToEndTest, AToleranceIsMetWithAsManyVerticesAsItTakes) {
+  const std::string capture = Synth("blob", 3, 20'000);
+  const std::string out = EmptyFolder("fit_tolerance");
+  const ProgramResult fit = Fit(capture, out, {"--tolerance", "0.2%"});
+  ASSERT_EQ(fit.exit_code, 0) << fit.err << fit.out;
+  EXPECT_THAT(fit.out, HasSubstr("Within tolerance: "));
+  const auto report = ReadJson(out + "/report.json");
+  const auto& tolerance = report["frames"][0]["tolerance"];
+  EXPECT_EQ(tolerance["end"], "TOLERANCE_END_WITHIN");
+  EXPECT_LE(tolerance["most_percent"], 0.2);
+  EXPECT_FALSE(report["frames"][1].contains("tolerance"));
+  for (const char* frame : {"/frames/0000.obj", "/frames/0002.obj"}) {
+    const auto cage = client::ReadControlMesh(out + frame);
+    ASSERT_TRUE(cage.ok()) << cage.status();
+    EXPECT_EQ(cage->vertex_count(), tolerance["control_vertices"]);
+  }
+}
+
+TEST(FitEndToEndTest, AToleranceRefinesATemplateThatIsGiven) {
+  const std::string capture = Synth("blob", 2, 20'000);
+  const std::string out = EmptyFolder("fit_refined"), cage = capture + "_small.obj";
+  ASSERT_EQ(RunCagefit({"template", capture + "/frame_0000.drc", "--vertices", "60", "--out", cage})
+                .exit_code,
+            0);
+  const ProgramResult fit = Fit(capture, out, {"--template", cage, "--tolerance", "0.05%"});
+  ASSERT_EQ(fit.exit_code, 0) << fit.err << fit.out;
+  const auto refined = client::ReadControlMesh(out + "/cage.obj");
+  ASSERT_TRUE(refined.ok()) << refined.status();
+  EXPECT_GT(refined->vertex_count(), client::ReadControlMesh(cage)->vertex_count());
+}
+
+TEST(FitEndToEndTest, AToleranceThatIsNotMetIsReportedAsSuch) {
+  const std::string capture = Synth("blob", 1, 10'000), out = EmptyFolder("fit_not_met");
+  const ProgramResult fit =
+      Fit(capture, out, {"--vertices", "60", "--tolerance", "0.01%", "--max-vertices", "80"});
+  EXPECT_EQ(fit.exit_code, 4) << fit.err;
+  EXPECT_THAT(fit.out, HasSubstr("NOT within tolerance, the limit of control vertices is reached"));
+  EXPECT_EQ(client::ReadControlMesh(out + "/cage.obj")->vertex_count(), 80);
+}
+
 TEST(FitEndToEndTest, ABadFrameIsRefusedAndTheRestGoesOn) {
   const std::string capture = Synth("blob", 4, 5'000), out = EmptyFolder("fit_bad");
   WriteText(capture + "/frame_0002.drc", kPng);

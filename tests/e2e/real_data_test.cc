@@ -57,6 +57,34 @@ INSTANTIATE_TEST_SUITE_P(RealData, StaticFitTest,
                            return name;
                          });
 
+struct Tolerance {
+  const char* target;
+  const char* tolerance;
+  double percent;
+  int most_vertices;
+};
+
+// Tolerances that a fit reaches with a coarse mesh, and what it takes.
+TEST(ToleranceFitTest, RealModelsAreMetWithFewVertices) {
+  CAGEFIT_NEEDS_DATA();
+  for (const Tolerance& c : {Tolerance{"static/bunny_closed_34835.ply", "0.2%", 0.2, 2500},
+                             Tolerance{"static/spot_11533.ply", "0.2%", 0.2, 600},
+                             Tolerance{"static/fandisk_6475.ply", "0.5%", 0.5, 800}}) {
+    SCOPED_TRACE(c.target);
+    const std::string out = EmptyFolder("tolerance");
+    const ProgramResult fit = RunCagefit(
+        {"fit", DataDir() + "/" + c.target, "--tolerance", c.tolerance, "--out", out, "--quick"});
+    ASSERT_EQ(fit.exit_code, 0) << fit.err << fit.out;
+    const auto tolerance = ReadJson(out + "/report.json")["frames"][0]["tolerance"];
+    EXPECT_EQ(tolerance["end"], "TOLERANCE_END_WITHIN");
+    EXPECT_LE(tolerance["most_percent"], c.percent);
+    const auto cage = client::ReadControlMesh(out + "/cage.obj");
+    ASSERT_TRUE(cage.ok()) << cage.status();
+    EXPECT_EQ(cage->vertex_count(), tolerance["control_vertices"]);
+    EXPECT_LE(cage->vertex_count(), c.most_vertices);
+  }
+}
+
 TEST(SequenceFitTest, TheTShirtStaysBelowAFifthOfAPercentInEveryFrame) {
   CAGEFIT_NEEDS_DATA();
   ServerProgram server;

@@ -49,6 +49,41 @@ TEST(FitReportTest, JsonHoldsEveryFrame) {
   EXPECT_EQ(json["total"]["fitted"], 2);
 }
 
+TEST(FitReportTest, NoiseOutliersAndCoverageAreTold) {
+  FitReport report = ThreeFrames();
+  report.frames[0].reply.set_noise(0.005);
+  report.frames[0].reply.set_outliers(1234);
+  report.frames[0].reply.mutable_final_energies()->set_coverage(0.5);
+  const Json json = ReportJson(report);
+  EXPECT_EQ(json["frames"][0]["noise"], 0.005);
+  EXPECT_EQ(json["frames"][0]["outliers"], "1234") << "proto3 JSON writes 64 bits as text";
+  EXPECT_EQ(json["frames"][0]["final_energies"]["coverage"], 0.5);
+  std::ostringstream table;
+  PrintFitTable(report, table);
+  EXPECT_THAT(table.str(), HasSubstr("0.2500     1234")) << "noise in percent, and outliers";
+}
+
+TEST(FitReportTest, WhatToleranceModeCameToIsTold) {
+  FitReport report = ThreeFrames();
+  EXPECT_FALSE(Totals(report).beyond_tolerance);
+  v1::ToleranceReport* tolerance = report.frames[0].reply.mutable_tolerance();
+  tolerance->set_control_vertices(1234);
+  tolerance->set_rounds(7);
+  tolerance->set_most_percent(0.0875);
+  for (const auto& [end, words] :
+       {std::pair(v1::TOLERANCE_END_WITHIN, "Within tolerance: 1234 control vertices after 7"),
+        std::pair(v1::TOLERANCE_END_VERTEX_LIMIT, "NOT within tolerance, the limit"),
+        std::pair(v1::TOLERANCE_END_NO_FURTHER, "NOT within tolerance, more control vertices")}) {
+    tolerance->set_end(end);
+    std::ostringstream table;
+    PrintFitTable(report, table);
+    EXPECT_THAT(table.str(), HasSubstr(words));
+    EXPECT_THAT(table.str(), HasSubstr("0.0875 %"));
+    EXPECT_EQ(Totals(report).beyond_tolerance, end != v1::TOLERANCE_END_WITHIN);
+    EXPECT_EQ(ReportJson(report)["frames"][0]["tolerance"]["control_vertices"], 1234);
+  }
+}
+
 TEST(FitReportTest, TheTableShowsTheWorstOfManyFrames) {
   FitReport report = ThreeFrames();
   report.frames.resize(200, report.frames[0]);

@@ -35,6 +35,15 @@ TEST(ObjReaderTest, ReadsVerticesAndTriangles) {
   EXPECT_EQ(mesh->triangles(), triangles);
 }
 
+TEST(ObjReaderTest, KeepsCreasesAndCorners) {
+  const auto mesh =
+      ReadTemplateObj("# cagefit crease 1 3\n# cagefit corner 4\n" + Tetrahedron(), 4);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  ASSERT_EQ(mesh->tags().edges.size(), 1u);
+  EXPECT_THAT(mesh->tags().edges[0], ::testing::ElementsAre(0, 2));
+  EXPECT_THAT(mesh->tags().corners, ::testing::ElementsAre(3));
+}
+
 TEST(ObjReaderTest, SkipsCommentsBlankLinesAndCarriageReturns) {
   EXPECT_TRUE(
       ReadTemplateObj("# a cage\r\n\r\n" + std::string(kVertices) + "  \n" + kFaces + "# end", 4)
@@ -60,7 +69,8 @@ TEST(ObjReaderTest, RefusesTagsThatNameNothing) {
 
 TEST(ObjReaderTest, NamesTheLineThatItDoesNotKnow) {
   for (const char* line : {"vn 0 0 1", "v 1 2", "v 1 2 3 4", "v 1 2 x", "f 1 2", "f 1 2 3 4",
-                           "f 1/1 2/2 3/3", "f 0 1 2", "f -1 1 2", "f 1.5 2 3", "garbage"}) {
+                           "f 1/1 2/2 3/3", "f 0 1 2", "f -1 1 2", "f 1.5 2 3", "garbage",
+                           "# cagefit crease 1", "# cagefit crease 1 x", "# cagefit corner 0"}) {
     EXPECT_THAT(ErrorOf(std::string(kVertices) + line + "\n" + kFaces), HasSubstr("line 5"))
         << line;
   }
@@ -78,6 +88,7 @@ TEST(ObjReaderTest, RefusesWhatIsNoControlMesh) {
   ErrorOf("");
   ErrorOf(std::string(kVertices) + "f 1 2 9\n");
   ErrorOf("v nan 0 0\n" + Tetrahedron());
+  ErrorOf(Tetrahedron() + "# cagefit corner 5\n");
   ErrorOf(Tetrahedron() + "f 1 2 3\n");  // an edge with three triangles
 }
 

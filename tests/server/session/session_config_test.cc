@@ -27,7 +27,7 @@ void ExpectRefused(const SessionConfig& config, const std::string& field,
 TEST(SessionConfigTest, DefaultsAreValidWithAMeshOrAWishForOne) {
   EXPECT_EQ(testing::CageConfig().Validate(), absl::OkStatus());
   SessionConfig wish;
-  wish.template_vertices = 4;
+  wish.make_template.vertices = 4;
   EXPECT_EQ(wish.Validate(), absl::OkStatus());
 }
 
@@ -69,15 +69,44 @@ TEST(SessionConfigTest, RefusesALongName) {
 TEST(SessionConfigTest, RefusesTooFewVerticesOfATemplate) {
   SessionConfig config;
   for (const int32_t vertices : {-1, 0, 3}) {
-    config.template_vertices = vertices;
+    config.make_template.vertices = vertices;
     ExpectRefused(config, "make_template.vertices", std::to_string(vertices));
   }
 }
 
+TEST(SessionConfigTest, RefusesACreaseAngleOutOfRange) {
+  SessionConfig config;
+  config.make_template.vertices = 4;
+  for (const double angle : {0.0, 180.0}) {
+    config.make_template.crease_angle_degrees = angle;
+    EXPECT_EQ(config.Validate(), absl::OkStatus()) << angle;
+  }
+  for (const double angle : {-1.0, 180.5, std::nan("")}) {
+    config.make_template.crease_angle_degrees = angle;
+    ExpectRefused(config, "make_template.crease_angle_degrees", std::to_string(angle).substr(0, 2));
+  }
+}
+
+TEST(SessionConfigTest, RefusesAToleranceOutOfRange) {
+  SessionConfig config = testing::CageConfig();
+  for (const double tolerance : {1e-6, 0.1}) {
+    config.tolerance = ToleranceOptions{tolerance, 0};
+    EXPECT_EQ(config.Validate(), absl::OkStatus()) << tolerance;
+  }
+  config.tolerance = ToleranceOptions{0.25, 0};
+  ExpectRefused(config, "options.tolerance", "0.25");
+  config.tolerance = ToleranceOptions{-1, 0};
+  ExpectRefused(config, "options.tolerance", "-1");
+  config.tolerance = ToleranceOptions{1e-3, 3};
+  ExpectRefused(config, "options.max_vertices", "3");
+  config.tolerance = ToleranceOptions{1e-3, -7};
+  ExpectRefused(config, "options.max_vertices", "-7");
+}
+
 TEST(SessionConfigTest, RefusesBadFitOptionsNamingThem) {
   SessionConfig config = testing::CageConfig();
-  config.fit.solver.max_iterations = 10'001;
-  ExpectRefused(config, "max_iterations", "10001");
+  config.fit.solver.max_iterations = 100'001;
+  ExpectRefused(config, "max_iterations", "100001");
 }
 
 }  // namespace

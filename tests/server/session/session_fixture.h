@@ -27,16 +27,17 @@ inline std::string ReasonOf(const absl::Status& status) {
 class FakeTemplates : public TemplateMaker {
  public:
   absl::Status CheckAvailable() const override { return available; }
-  absl::StatusOr<ControlMesh> Make(absl::string_view, int32_t vertices, const CancelFn&) override {
+  absl::StatusOr<ControlMesh> Make(absl::string_view, const TemplateRequest& request,
+                                   const CancelFn&) override {
     ++made;
-    asked_vertices = vertices;
+    asked = request;
     return result;
   }
 
   absl::Status available;
   absl::StatusOr<ControlMesh> result = absl::UnimplementedError("no template was put in");
   int made = 0;
-  int32_t asked_vertices = 0;
+  TemplateRequest asked;
 };
 
 inline SessionConfig CageConfig() {

@@ -184,7 +184,7 @@ TEST(SessionLedgerTest, TheLatestMeshIsTheTemplateUntilAFrameIsFitted) {
 
 TEST(SessionLedgerTest, ATemplateThatIsStillToBeMadeIsAFailedPrecondition) {
   SessionConfig config;
-  config.template_vertices = 42;
+  config.make_template.vertices = 42;
   const auto ledger = MakeLedger(std::move(config));
   EXPECT_TRUE(absl::IsFailedPrecondition(ledger->TemplateMesh().status()));
   EXPECT_EQ(ReasonOf(ledger->LatestMesh().status()), "NO_TEMPLATE_YET");

@@ -125,7 +125,7 @@ TEST_F(SessionStoreTest, RefusesMoreControlVerticesThanItsLimit) {
   limits.session.max_control_vertices = 41;
   SessionStore store = MakeStore(limits);
   SessionConfig wish;
-  wish.template_vertices = 42;
+  wish.make_template.vertices = 42;
   for (const SessionConfig& config : {CageConfig(), wish}) {
     const absl::Status refused = store.Create(config, absl::UnixEpoch()).status();
     EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
@@ -144,7 +144,7 @@ TEST_F(SessionStoreTest, RefusesATemplateWhereNoneCanBeMade) {
   SessionStore store = MakeStore();
   templates_.available = absl::FailedPreconditionError("install it");
   SessionConfig wish;
-  wish.template_vertices = 42;
+  wish.make_template.vertices = 42;
   EXPECT_EQ(store.Create(wish, absl::UnixEpoch()).status(), templates_.available);
   EXPECT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
 }

@@ -17,6 +17,8 @@ namespace {
 using ::testing::HasSubstr;
 using testing::ReasonOf;
 
+const TemplateRequest kFour = {4, std::nullopt};
+
 // As "cagefit template": $2 is the input, $4 the number of vertices, $6 the output.
 constexpr char kWriteTetrahedron[] =
     "printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nv 0 0 1\\n"
@@ -32,7 +34,7 @@ class TemplateProcessTest : public ::testing::Test {
     return TemplateProcess(path, limits);
   }
   absl::Status ErrorOf(const std::string& script, const ChildLimits& limits = {}) {
-    return Maker(script, limits).Make("bytes", 4, nullptr).status();
+    return Maker(script, limits).Make("bytes", kFour, nullptr).status();
   }
   std::string Path(const std::string& name) const { return folder_.path() + "/" + name; }
 
@@ -42,7 +44,7 @@ class TemplateProcessTest : public ::testing::Test {
 TEST_F(TemplateProcessTest, ReadsTheMeshThatTheProgramWrites) {
   TemplateProcess maker = Maker(kWriteTetrahedron);
   EXPECT_EQ(maker.CheckAvailable(), absl::OkStatus());
-  const auto mesh = maker.Make("bytes", 4, nullptr);
+  const auto mesh = maker.Make("bytes", kFour, nullptr);
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_EQ(mesh->vertex_count(), 4);
 }
@@ -52,7 +54,7 @@ TEST_F(TemplateProcessTest, GivesTheProgramTheBytesAndTheNumberOfVertices) {
   TemplateProcess maker = Maker(
       absl::StrCat("cp \"$2\" ", Path("input"), "\necho \"$1 $3 $4 $5\" > ", Path("arguments"),
                    "\necho \"$6\" > ", Path("output"), "\n", kWriteTetrahedron));
-  ASSERT_TRUE(maker.Make(bytes, 1234, nullptr).ok());
+  ASSERT_TRUE(maker.Make(bytes, {1234, {}}, nullptr).ok());
   std::string line;
   std::getline(std::ifstream(Path("arguments")), line);
   EXPECT_EQ(line, "template --vertices 1234 --out");
@@ -63,10 +65,25 @@ TEST_F(TemplateProcessTest, GivesTheProgramTheBytesAndTheNumberOfVertices) {
       << "the folder is still there";
 }
 
+TEST_F(TemplateProcessTest, PassesACreaseAngleThatIsSet) {
+  const auto arguments_after_the_output = [this](const TemplateRequest& request) {
+    EXPECT_TRUE(Maker(absl::StrCat("shift 6; echo \"$@\" > ", Path("arguments"), "\n", "exit 1"))
+                    .Make("bytes", request, nullptr)
+                    .status()
+                    .code() == absl::StatusCode::kInvalidArgument);
+    std::string line;
+    std::getline(std::ifstream(Path("arguments")), line);
+    return line;
+  };
+  EXPECT_EQ(arguments_after_the_output(kFour), "");
+  EXPECT_EQ(arguments_after_the_output({4, 37.5}), "--crease-angle 37.5");
+  EXPECT_EQ(arguments_after_the_output({4, 0.0}), "--crease-angle 0");
+}
+
 TEST_F(TemplateProcessTest, AMissingProgramIsNamed) {
   TemplateProcess maker("/nowhere/cagefit", {});
   for (const absl::Status& status :
-       {maker.CheckAvailable(), maker.Make("bytes", 4, nullptr).status()}) {
+       {maker.CheckAvailable(), maker.Make("bytes", kFour, nullptr).status()}) {
     EXPECT_TRUE(absl::IsFailedPrecondition(status)) << status;
     EXPECT_THAT(std::string(status.message()), HasSubstr("/nowhere/cagefit"));
     EXPECT_EQ(ReasonOf(status), "TEMPLATE_PROGRAM_MISSING");
@@ -119,7 +136,7 @@ TEST_F(TemplateProcessTest, StopsAtTheTimeLimit) {
 
 TEST_F(TemplateProcessTest, StopsWhenCancelled) {
   TemplateProcess maker = Maker("sleep 1000");
-  EXPECT_TRUE(absl::IsCancelled(maker.Make("bytes", 4, [] { return true; }).status()));
+  EXPECT_TRUE(absl::IsCancelled(maker.Make("bytes", kFour, [] { return true; }).status()));
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ TEST(ReplyConvertTest, AFittedFrameTellsEverything) {
   EXPECT_EQ(reply.initial_energies().arap(), frame.fit.initial.arap);
   EXPECT_EQ(reply.final_energies().distance(), frame.fit.final.distance);
   EXPECT_EQ(reply.final_energies().arap(), frame.fit.final.arap);
+  EXPECT_EQ(reply.final_energies().coverage(), frame.fit.final.coverage);
   EXPECT_EQ(reply.iterations(), static_cast<uint32_t>(frame.fit.iterations));
   EXPECT_EQ(reply.converged(), frame.fit.converged);
   EXPECT_EQ(reply.distances().mean(), frame.distances.mean);
@@ -101,9 +102,51 @@ TEST(ReplyConvertTest, EveryVerdictHasItsName) {
   }
 }
 
+TEST(ReplyConvertTest, CoverageNoiseAndOutliersAreTold) {
+  OpenSession open(CageConfig());
+  auto frame = std::make_shared<StoredFrame>();
+  frame->outcome = Outcome::kFitted;
+  frame->fit.initial.coverage = 3;
+  frame->fit.final.coverage = 2;
+  frame->fit.noise = 0.25;
+  frame->fit.outliers = 7;
+  const v1::FrameReply reply = ToProto(FrameAnswer{frame}, *open.ledger);
+  EXPECT_EQ(reply.initial_energies().coverage(), 3);
+  EXPECT_EQ(reply.final_energies().coverage(), 2);
+  EXPECT_EQ(reply.noise(), 0.25);
+  EXPECT_EQ(reply.outliers(), 7u);
+}
+
+TEST(ReplyConvertTest, WhatToleranceModeCameToIsTold) {
+  OpenSession open(CageConfig());
+  EXPECT_FALSE(ToProto(*open.Answer(MovingFrame(0)), *open.ledger).has_tolerance());
+  for (const auto& [end, name] :
+       {std::pair(ToleranceEnd::kWithin, v1::TOLERANCE_END_WITHIN),
+        std::pair(ToleranceEnd::kVertexLimit, v1::TOLERANCE_END_VERTEX_LIMIT),
+        std::pair(ToleranceEnd::kNoFurther, v1::TOLERANCE_END_NO_FURTHER)}) {
+    auto frame = std::make_shared<StoredFrame>();
+    frame->outcome = Outcome::kFitted;
+    frame->control_vertices = 77;
+    frame->tolerance = ToleranceReport{end, 0.5, {1, 2, 4}, /*diagonal=*/200, 77, 3};
+    const v1::FrameReply reply = ToProto(FrameAnswer{frame}, *open.ledger);
+    EXPECT_EQ(reply.control_vertices(), 77u);
+    const v1::ToleranceReport& told = reply.tolerance();
+    EXPECT_EQ(told.end(), name);
+    EXPECT_EQ(told.tolerance(), 0.5);
+    EXPECT_EQ(told.rms(), 1);
+    EXPECT_EQ(told.most(), 2);
+    EXPECT_EQ(told.max(), 4);
+    EXPECT_EQ(told.rms_percent(), 0.5);
+    EXPECT_EQ(told.most_percent(), 1);
+    EXPECT_EQ(told.max_percent(), 2);
+    EXPECT_EQ(told.control_vertices(), 77u);
+    EXPECT_EQ(told.rounds(), 3u);
+  }
+}
+
 TEST(ReplyConvertTest, TheFirstFrameBringsTheTemplateThatItMade) {
   SessionConfig config;
-  config.template_vertices = 42;
+  config.make_template.vertices = 42;
   OpenSession open(std::move(config));
   open.templates.result = FrameCage();
   const v1::FrameReply first = ToProto(*open.Answer(MovingFrame(0)), *open.ledger);

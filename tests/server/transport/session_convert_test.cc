@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/session/error_detail.h"
+#include "server/transport/fit_options_convert.h"
 #include "tests/server/session/session_fixture.h"
 
 namespace cagefit::server {
@@ -26,23 +27,15 @@ void ExpectRefused(const v1::CreateSessionRequest& request, const std::string& f
   EXPECT_THAT(std::string(status.message()), HasSubstr(field));
 }
 
-// All options away from their defaults.
+// All options away from their defaults; those of the fit are those of the paper.
 v1::SessionOptions UnusualOptions() {
   v1::SessionOptions options;
-  v1::FitOptions* fit = options.mutable_fit();
-  fit->set_sampling(v1::SAMPLING_CONTROL_VERTICES);
-  fit->set_radius(0.25);
-  fit->set_radius_factor(3);
-  fit->set_far_radius(0.75);
-  fit->set_arap_weight(0.125);
-  fit->set_rest_mesh(v1::REST_MESH_PREVIOUS_FRAME);
-  fit->set_solver(v1::SOLVER_CERES);
-  fit->set_max_iterations(17);
-  fit->set_relative_decrease(0.5);
-  fit->set_first_stiffness(2);
+  *options.mutable_fit() = ToProto(FitOptions::Paper());
   options.set_quantum(1e-3);
   options.set_delta_encoding(v1::DELTA_ENCODING_DRACO);
   options.set_key_interval(5);
+  options.set_tolerance(0.003);
+  options.set_max_vertices(500);
   return options;
 }
 
@@ -53,8 +46,8 @@ TEST(SessionConvertTest, EveryOptionArrivesAndComesBack) {
   const auto config = FromProto(request, SessionLimits());
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_EQ(config->Validate(), absl::OkStatus());
-  EXPECT_EQ(config->fit.solver.max_iterations, 17);
-  EXPECT_EQ(config->fit.arap.weight, 0.125);
+  EXPECT_EQ(config->fit.solver.max_iterations, 1000);
+  EXPECT_EQ(config->fit.arap.weight, 0.01);
 
   const SessionLedger ledger("an-id", *config, SessionLimits(), absl::FromUnixSeconds(5));
   const v1::Session session = ToProto(ledger);
@@ -97,7 +90,54 @@ TEST(SessionConvertTest, ValuesBeyondInt32StayOutOfRange) {
   EXPECT_FALSE(FromProto(request, SessionLimits())->Validate().ok());
   request = v1::CreateSessionRequest();
   request.mutable_make_template()->set_vertices(4'000'000'000u);
-  EXPECT_EQ(FromProto(request, SessionLimits())->template_vertices, 2147483647);
+  EXPECT_EQ(FromProto(request, SessionLimits())->make_template.vertices, 2147483647);
+}
+
+TEST(SessionConvertTest, AWishForATemplateArrives) {
+  v1::CreateSessionRequest request;
+  request.mutable_make_template()->set_vertices(300);
+  EXPECT_EQ(FromProto(request, SessionLimits())->make_template.crease_angle_degrees, std::nullopt);
+  request.mutable_make_template()->set_crease_angle_degrees(0);
+  const auto config = FromProto(request, SessionLimits());
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->make_template.vertices, 300);
+  EXPECT_EQ(config->make_template.crease_angle_degrees, 0);
+}
+
+TEST(SessionConvertTest, AToleranceStartsFromASmallTemplateWhereNoneIsNamed) {
+  v1::CreateSessionRequest request;
+  request.mutable_options()->set_tolerance(0.002);
+  for (const bool crease_angle : {false, true}) {
+    if (crease_angle) request.mutable_make_template()->set_crease_angle_degrees(30);
+    const auto config = FromProto(request, SessionLimits());
+    ASSERT_TRUE(config.ok()) << config.status();
+    EXPECT_EQ(config->make_template.vertices, SessionConfig::kToleranceStartVertices);
+    EXPECT_EQ(config->make_template.crease_angle_degrees.has_value(), crease_angle);
+    EXPECT_EQ(config->tolerance->tolerance, 0.002);
+    EXPECT_EQ(config->tolerance->max_vertices, 0);
+    EXPECT_EQ(config->Validate(), absl::OkStatus());
+  }
+  request.mutable_make_template()->set_vertices(50);
+  EXPECT_EQ(FromProto(request, SessionLimits())->make_template.vertices, 50);
+}
+
+TEST(SessionConvertTest, AToleranceOf0IsOff) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_options()->set_tolerance(0);
+  EXPECT_FALSE(FromProto(request, SessionLimits())->tolerance.has_value());
+}
+
+TEST(SessionConvertTest, AToleranceAndItsLimitThatAreOutOfRangeAreRefused) {
+  v1::CreateSessionRequest request = CageRequest();
+  request.mutable_options()->set_tolerance(-0.5);
+  EXPECT_TRUE(absl::IsInvalidArgument(FromProto(request, SessionLimits())->Validate()));
+  request.mutable_options()->set_tolerance(std::nan(""));
+  EXPECT_TRUE(absl::IsInvalidArgument(FromProto(request, SessionLimits())->Validate()));
+  request.mutable_options()->set_tolerance(0.001);
+  request.mutable_options()->set_max_vertices(0);
+  ExpectRefused(request, "options.max_vertices is 0");
+  request.mutable_options()->set_max_vertices(4'000'000'000u);
+  EXPECT_EQ(FromProto(request, SessionLimits())->tolerance->max_vertices, 2147483647);
 }
 
 TEST(SessionConvertTest, TheSessionTellsItsFacts) {
@@ -138,12 +178,6 @@ TEST(SessionConvertTest, RefusesEnumValuesThatItDoesNotKnow) {
   v1::CreateSessionRequest request = CageRequest();
   request.mutable_options()->mutable_fit()->set_sampling(static_cast<v1::Sampling>(99));
   ExpectRefused(request, "options.fit.sampling is 99");
-  request = CageRequest();
-  request.mutable_options()->mutable_fit()->set_rest_mesh(static_cast<v1::RestMesh>(99));
-  ExpectRefused(request, "options.fit.rest_mesh is 99");
-  request = CageRequest();
-  request.mutable_options()->mutable_fit()->set_solver(static_cast<v1::Solver>(99));
-  ExpectRefused(request, "options.fit.solver is 99");
   request = CageRequest();
   request.mutable_options()->set_delta_encoding(static_cast<v1::DeltaEncoding>(99));
   ExpectRefused(request, "options.delta_encoding is 99");
