@@ -13,8 +13,12 @@ namespace {
 // A flip may bend the surface by so much: cosine between the normals of the two triangles, before
 // and after.
 constexpr double kLeastFlipCosine = 0.9;
-constexpr double kGoodAngle = 0.5;  // radians
-constexpr double kStep = 0.5;       // of the way to the middle of the ring
+constexpr double kLeastNeedleFlipCosine = 0.8;        // to the two triangles' mean normal
+constexpr double kPoorAngle = 0.2, kGoodAngle = 0.5;  // radians
+constexpr double kWorthwhile =
+    1.5;  // times the smallest angle, for the sake of which valences suffer
+constexpr int kMostValence = 9;
+constexpr double kStep = 0.5;  // of the way to the middle of the ring
 
 Eigen::Vector3d Cross(const Points3d& V, int32_t a, int32_t b, int32_t c) {
   return (V.col(b) - V.col(a)).cross(V.col(c) - V.col(a));
@@ -46,19 +50,29 @@ bool IsBetterFlipped(const Points3d& V, const Topology& topology, const std::vec
   for (const int32_t v : {a, b}) {
     if (valence[v] <= (topology.IsBoundaryVertex(v) ? 2 : 3)) return false;
   }
-  const int before = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
-  const int after = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
-  if (after >= before) return false;
-  const Eigen::Vector3d old_1 = Cross(V, a, b, c).normalized(),
-                        old_2 = Cross(V, b, a, d).normalized();
-  const Eigen::Vector3d new_1 = Cross(V, a, d, c).normalized(),
-                        new_2 = Cross(V, d, b, c).normalized();
-  for (const Eigen::Vector3d* n : {&new_1, &new_2}) {
-    if (!(n->dot(old_1) > kLeastFlipCosine && n->dot(old_2) > kLeastFlipCosine)) return false;
-  }
   const double old_angle = std::min(SmallestAngle(V, a, b, c), SmallestAngle(V, b, a, d));
   const double new_angle = std::min(SmallestAngle(V, a, d, c), SmallestAngle(V, d, b, c));
-  return new_angle > 0.6 * old_angle;
+  const Eigen::Vector3d old_1 = Cross(V, a, b, c), old_2 = Cross(V, b, a, d);
+  const Eigen::Vector3d new_1 = Cross(V, a, d, c), new_2 = Cross(V, d, b, c);
+  const auto cosine = [](const Eigen::Vector3d& n, const Eigen::Vector3d& m) {
+    return n.dot(m) / std::max(n.norm() * m.norm(), 1e-300);
+  };
+  if (old_angle < kPoorAngle && new_angle > kWorthwhile * old_angle &&
+      std::max(valence[c], valence[d]) < kMostValence) {
+    // The normal of a needle says little; that of both triangles is their quadrilateral's.
+    const double least = std::min(cosine(new_1, old_1 + old_2), cosine(new_2, old_1 + old_2));
+    return least > kLeastNeedleFlipCosine;
+  }
+  const int before = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
+  const int after = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
+  if (after >= before || !(new_angle > 0.6 * old_angle)) return false;
+  if (new_angle < kPoorAngle && new_angle < old_angle) return false;
+  for (const Eigen::Vector3d* n : {&new_1, &new_2}) {
+    if (!(cosine(*n, old_1) > kLeastFlipCosine && cosine(*n, old_2) > kLeastFlipCosine)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 // One pass over all edges; triangles that a flip touched rest until the next pass.

@@ -11,9 +11,30 @@ namespace cagefit {
 
 namespace {
 
-uint64_t DirectedEdge(int32_t from, int32_t to) {
-  return static_cast<uint64_t>(static_cast<uint32_t>(from)) << 32 | static_cast<uint32_t>(to);
-}
+// Half-edges by the vertex that they start at: chains of a few each.
+class HalfEdges {
+ public:
+  HalfEdges(int64_t vertices, int64_t triangles) : first_(vertices, -1) {
+    to_.reserve(3 * triangles);
+    next_.reserve(3 * triangles);
+  }
+
+  // Numbered in the order in which they were added.
+  void Add(int32_t from, int32_t to) {
+    next_.push_back(first_[from]);
+    first_[from] = static_cast<int32_t>(to_.size());
+    to_.push_back(to);
+  }
+  // -1: there is none.
+  int32_t Find(int32_t from, int32_t to) const {
+    int32_t h = first_[from];
+    while (h >= 0 && to_[h] != to) h = next_[h];
+    return h;
+  }
+
+ private:
+  std::vector<int32_t> first_, next_, to_;
+};
 
 double Area(const Points3d& V, const Eigen::Vector3i& t) {
   return 0.5 * (V.col(t[1]) - V.col(t[0])).cross(V.col(t[2]) - V.col(t[0])).norm();
@@ -49,25 +70,22 @@ class UnionFind {
   std::vector<int32_t> parent_;
 };
 
-// Triangles (of merged vertices) that form an edge-manifold, consistently oriented mesh.
-std::vector<Eigen::Vector3i> EdgeManifoldTriangles(
-    const TriangleMesh& mesh, std::unordered_map<uint64_t, int32_t>* half_edges) {
+// Triangles (of merged vertices) that form an edge-manifold, consistently oriented mesh. Half-edge
+// 3 f + c of *half_edges starts at corner c of triangle f.
+std::vector<Eigen::Vector3i> EdgeManifoldTriangles(const TriangleMesh& mesh,
+                                                   HalfEdges* half_edges) {
   const std::vector<int32_t> first = FirstAtPosition(mesh.vertices);
   std::vector<Eigen::Vector3i> triangles;
-  half_edges->reserve(3 * mesh.triangles.cols());
+  triangles.reserve(mesh.triangles.cols());
   for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
     const Eigen::Vector3i t(first[mesh.triangles(0, f)], first[mesh.triangles(1, f)],
                             first[mesh.triangles(2, f)]);
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
     if (!(Area(mesh.vertices, t) > 0)) continue;
     bool free = true;
-    for (int c = 0; c < 3; ++c)
-      free = free && half_edges->count(DirectedEdge(t[c], t[(c + 1) % 3])) == 0;
+    for (int c = 0; c < 3; ++c) free = free && half_edges->Find(t[c], t[(c + 1) % 3]) < 0;
     if (!free) continue;
-    for (int c = 0; c < 3; ++c) {
-      (*half_edges)[DirectedEdge(t[c], t[(c + 1) % 3])] =
-          static_cast<int32_t>(3 * triangles.size()) + c;
-    }
+    for (int c = 0; c < 3; ++c) half_edges->Add(t[c], t[(c + 1) % 3]);
     triangles.push_back(t);
   }
   return triangles;
@@ -76,15 +94,15 @@ std::vector<Eigen::Vector3i> EdgeManifoldTriangles(
 }  // namespace
 
 TriangleMesh MakeManifold(const TriangleMesh& mesh, RepairReport* report) {
-  std::unordered_map<uint64_t, int32_t> half_edges;
+  HalfEdges half_edges(mesh.vertices.cols(), mesh.triangles.cols());
   const std::vector<Eigen::Vector3i> triangles = EdgeManifoldTriangles(mesh, &half_edges);
   report->dropped_triangles += mesh.triangles.cols() - static_cast<int64_t>(triangles.size());
   // Corners of one vertex belong together when an edge at that vertex joins their triangles.
   UnionFind corners(3 * static_cast<int64_t>(triangles.size()));
-  for (const auto& [edge, h] : half_edges) {
-    const auto other = half_edges.find(edge << 32 | edge >> 32);
-    if (other == half_edges.end()) continue;
-    const int32_t g = other->second;
+  for (int32_t h = 0; h < 3 * static_cast<int32_t>(triangles.size()); ++h) {
+    const Eigen::Vector3i& t = triangles[h / 3];
+    const int32_t g = half_edges.Find(t[(h + 1) % 3], t[h % 3]);
+    if (g < 0) continue;
     corners.Join(h, g - g % 3 + (g + 1) % 3);
     corners.Join(h - h % 3 + (h + 1) % 3, g);
   }

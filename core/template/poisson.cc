@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "core/base/parallel.h"
 #include "core/cloud/kd_tree.h"
 #include "core/cloud/spacing.h"
 #include "core/mesh/topology.h"
@@ -24,6 +25,7 @@ constexpr int kOutlierNeighbors = 20;
 constexpr double kOutlierDeviations = 3;  // of the mean neighbour distance
 constexpr int kLeastDepth = 5, kMostDepth = 10;
 constexpr int kBoundaryRounds = 3;
+constexpr int64_t kGrain = 1024;
 
 PointCloud WithoutOutliers(const PointCloud& cloud) {
   const KdTree tree(cloud.points);
@@ -90,12 +92,14 @@ absl::StatusOr<TriangleMesh> RunPoisson(const PointCloud& cloud, int depth) try 
 
 TriangleMesh Trim(const TriangleMesh& mesh, const KdTree& tree, double reach) {
   std::vector<char> near(mesh.vertices.cols());
-  for (int64_t v = 0; v < mesh.vertices.cols(); ++v) {
-    int32_t index = 0;
-    float squared = 0;
-    tree.Nearest(mesh.vertices.col(v).cast<float>(), 1, &index, &squared);
-    near[v] = squared <= reach * reach;
-  }
+  ParallelFor(mesh.vertices.cols(), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t v = begin; v < end; ++v) {
+      int32_t index = 0;
+      float squared = 0;
+      tree.Nearest(mesh.vertices.col(v).cast<float>(), 1, &index, &squared);
+      near[v] = squared <= reach * reach;
+    }
+  });
   std::vector<char> keep(mesh.triangles.cols());
   for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
     keep[f] =
@@ -187,9 +191,9 @@ absl::StatusOr<TriangleMesh> ReconstructPoisson(const PointCloud& cloud, int32_t
     return absl::FailedPreconditionError("template: most points of the cloud coincide");
   }
   // Half as wide as the points are apart, so that folds keep their two sides; and no finer than
-  // some twelve cells per control edge.
+  // some ten cells per control edge.
   const double by_points = std::log2(2 * longest / spacing);
-  const double by_vertices = std::log2(12 * std::sqrt(static_cast<double>(control_vertices)));
+  const double by_vertices = std::log2(6 * std::sqrt(static_cast<double>(control_vertices)));
   const int depth = std::clamp(static_cast<int>(std::lround(std::min(by_points, by_vertices))),
                                kLeastDepth, kMostDepth);
   absl::StatusOr<TriangleMesh> surface = RunPoisson(clean, depth);
