@@ -1,5 +1,9 @@
 #include "core/cloud/imls.h"
 
+#include <algorithm>
+
+#include "core/cloud/field_runs.h"
+
 // Highway compiles this file once per instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/cloud/imls.cc"  // NOLINT
@@ -27,18 +31,10 @@ enum ImlsSum {
   kMaxT,   // largest t: the nearest point
   kSums
 };
-constexpr int kMaxLanes = 8;
 
 struct ImlsSums {
   alignas(64) double lanes[kSums][kMaxLanes];
 };
-
-// Points begin to end of the grid.
-struct Run {
-  int32_t begin, end;
-};
-// As many as a radius of one cell meets, so that most samples take one call.
-constexpr int kMaxRuns = 27;
 
 }  // namespace cagefit
 #endif  // CAGEFIT_CORE_CLOUD_IMLS_SUMS_
@@ -110,15 +106,9 @@ ImlsValue EvaluateImls(const CellGrid& grid, const Eigen::Vector3d& x, double h)
   ImlsSums sums = {};
   const double inverse_h2 = 1.0 / (h * h);
   const auto accumulate = HWY_DYNAMIC_DISPATCH(AccumulateRuns);
-  Run runs[kMaxRuns];
-  int count = 0;
-  grid.ForEachRun(x, h, [&](int32_t begin, int32_t end) {
-    runs[count++] = {begin, end};
-    if (count < kMaxRuns) return;
+  ForRuns(grid, x, h, [&](const Run* runs, int count) {
     accumulate(grid, runs, count, x.data(), inverse_h2, &sums);
-    count = 0;
   });
-  if (count > 0) accumulate(grid, runs, count, x.data(), inverse_h2, &sums);
 
   double total[kSums];
   for (int s = 0; s < kSums; ++s) {
