@@ -9,9 +9,9 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/cloud/rimls.cc"  // NOLINT
 // clang-format off: foreach_target.h must come first
-#include <hwy/contrib/math/math-inl.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
 // clang-format on
 
 #ifndef CAGEFIT_CORE_CLOUD_RIMLS_SUMS_

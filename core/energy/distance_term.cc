@@ -13,7 +13,8 @@ constexpr int64_t kGrain = 512;  // samples a chunk: some 0.2 ms
 }  // namespace
 
 void DistanceTerm::SetTarget(const TargetIndex* target, double far_radius, int64_t control_vertices,
-                             const RobustKernel& kernel) {
+                             Field field, const RobustKernel& kernel) {
+  field_ = field;
   target_ = target;
   radius_ = target->radius();
   far_radius_ = finest_far_radius_ = far_radius;
@@ -42,8 +43,9 @@ double DistanceTerm::Assign(const Points3d& Q, std::vector<SampleResiduals>* res
            double sum = 0;
            for (int64_t i = begin; i < end; ++i) {
              SampleResiduals& r = (*residuals)[i];
-             const bool settled = evaluated && assignments_[i].doublings == 0 &&
-                                  r.support >= kMinSupport && r.beyond == 0;
+             const bool settled = evaluated && field_ == Field::kImls &&
+                                  assignments_[i].doublings == 0 && r.support >= kMinSupport &&
+                                  r.beyond == 0;
              if (!settled) r = AssignSample(Q.col(i), &assignments_[i]);
              sum += Energy(&r);
            }
@@ -57,12 +59,14 @@ SampleResiduals DistanceTerm::AssignSample(const Eigen::Vector3d& x, Assignment*
     const ImlsValue field = EvaluateImls(target_->grid(), x, h);
     if (field.support > 0 && field.nearest > far_radius_) break;
     if (field.support >= kMinSupport) {
-      *assignment = {static_cast<int8_t>(doublings), -1};
-      return FromField(field, x);
+      *assignment = {static_cast<int8_t>(doublings), -1, {}};
+      if (field_ == Field::kImls) return FromField(field, x);
+      assignment->reference = SolveRimls(target_->grid(), x, h, RimlsOptions());
+      return FromField(EvaluateField(x, h, *assignment), x);
     }
     if (field.support == 0 && h >= far_radius_) break;
   }
-  *assignment = {kFar, target_->Nearest(x)};
+  *assignment = {kFar, target_->Nearest(x), {}};
   return EvaluatePlane(assignment->nearest, x);
 }
 
@@ -83,10 +87,16 @@ SampleResiduals DistanceTerm::EvaluateSample(int64_t i, const Eigen::Vector3d& x
   const Assignment& assignment = assignments_[i];
   if (assignment.doublings == kFar) return EvaluatePlane(assignment.nearest, x);
   const double h = std::ldexp(radius_, assignment.doublings);
-  const ImlsValue field = EvaluateImls(target_->grid(), x, h);
+  const ImlsValue field = EvaluateField(x, h, assignment);
   // A trial step may leave the support that the radius was chosen for.
   if (field.support == 0) return EvaluatePlane(target_->Nearest(x), x);
   return FromField(field, x);
+}
+
+ImlsValue DistanceTerm::EvaluateField(const Eigen::Vector3d& x, double h,
+                                      const Assignment& assignment) const {
+  if (field_ == Field::kImls) return EvaluateImls(target_->grid(), x, h);
+  return EvaluateRimls(target_->grid(), x, h, RimlsOptions(), assignment.reference);
 }
 
 SampleResiduals DistanceTerm::FromField(const ImlsValue& field, const Eigen::Vector3d& x) const {

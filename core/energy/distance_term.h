@@ -2,9 +2,9 @@
 //
 //   E_dist = (n/m) sum_i ( rho( f(Q_i)^2 ) + max(0, d_i - d0)^2 )
 //
-// n control vertices, m samples, f the signed IMLS distance (cloud/imls.h), d_i the distance to the
-// nearest target point, rho a robust kernel (robust_kernel.h). The factor n/m gives the term the
-// same weight at any number of samples.
+// n control vertices, m samples, f the signed IMLS or RIMLS distance (cloud/imls.h, rimls.h), d_i
+// the distance to the nearest target point, rho a robust kernel (robust_kernel.h). The factor n/m
+// gives the term the same weight at any number of samples.
 //
 // Each sample has a radius and a branch, chosen by Assign and held fixed for value, gradient and
 // step acceptance, because f jumps by a percent where a radius doubles:
@@ -23,7 +23,9 @@
 
 #include "core/base/types.h"
 #include "core/cloud/imls.h"
+#include "core/cloud/rimls.h"
 #include "core/cloud/target_index.h"
+#include "core/energy/field.h"
 #include "core/energy/robust_kernel.h"
 
 namespace cagefit {
@@ -46,7 +48,7 @@ class DistanceTerm {
   // Refers to `target`, which must outlive the term. Lengths in the target's coordinates. n control
   // vertices.
   void SetTarget(const TargetIndex* target, double far_radius, int64_t control_vertices,
-                 const RobustKernel& kernel = {});
+                 Field field = Field::kImls, const RobustKernel& kernel = {});
 
   // Multiplies h and d0 of the target by `factor` >= 1 from the next Assign on, whose `residuals`
   // must be empty where the factor changed, and the kernel's scale by `kernel_factor`.
@@ -77,10 +79,12 @@ class DistanceTerm {
   struct Assignment {
     int8_t doublings = kUnassigned;  // radius h 2^doublings; kFar: plane branch
     int32_t nearest = -1;            // plane branch: index of the nearest point
+    RimlsReference reference;        // field branch, with Field::kRimls: held like the radius
   };
 
   // Chooses radius and branch for a sample at x; returns its residuals under them.
   SampleResiduals AssignSample(const Eigen::Vector3d& x, Assignment* assignment) const;
+  ImlsValue EvaluateField(const Eigen::Vector3d& x, double h, const Assignment& assignment) const;
   SampleResiduals FromField(const ImlsValue& field, const Eigen::Vector3d& x) const;
   SampleResiduals EvaluatePlane(int32_t nearest, const Eigen::Vector3d& x) const;
 
@@ -88,6 +92,7 @@ class DistanceTerm {
 
   const TargetIndex* target_ = nullptr;
   double radius_ = 0, far_radius_ = 0, finest_far_radius_ = 0;
+  Field field_ = Field::kImls;
   RobustKernel kernel_, scaled_kernel_;
   int64_t control_vertices_ = 0;
   double weight_ = 0;

@@ -6,13 +6,13 @@
 #include <optional>
 
 #include "absl/status/status.h"
+#include "core/energy/field.h"
 #include "core/energy/robust_kernel.h"
 #include "core/subdiv/surface_sampler.h"
 
 namespace cagefit {
 
 enum class Solver { kGaussNewton, kCeres, kAdam };
-enum class Field { kImls, kRimls };  // cloud/imls.h, cloud/rimls.h
 enum class RestMesh { kTemplate, kPreviousFrame };
 
 struct DistanceOptions {

@@ -1,30 +1,28 @@
 #include "core/fit/fitter.h"
 
-#include <optional>
+#include <algorithm>
+#include <cmath>
+#include <memory>
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "core/base/parallel.h"
 #include "core/base/status.h"
 #include "core/fit/adam.h"
 #include "core/fit/ceres_solver.h"
+#include "core/fit/frame_target.h"
 #include "core/fit/gauss_newton.h"
 #include "core/fit/objective.h"
 #include "core/fit/step_system.h"
-#include "core/subdiv/limit.h"
+#include "core/subdiv/surface_sampler.h"
 
 namespace cagefit {
 
 namespace {
 
-// Default far radius as a multiple of the radius h: far enough for the field to stay smooth around
-// the cloud, near enough that the rim of an open surface cannot wander.
-constexpr double kFarRadiusPerRadius = 3;
-
-StencilMatrix SampleStencils(const ControlMesh& mesh, Sampling sampling) {
-  const int levels = sampling == Sampling::kControlVertices ? 0 : 1;
-  return BuildLimitMesh(mesh.topology(), mesh.tags(), levels).position;
-}
+// A field of four radii costs sixteen times as much; beyond it tangent planes serve.
+constexpr double kMostFirstRadius = 4;
+// Area sampling draws the same points for every session on one template.
+constexpr uint64_t kSamplingSeed = 1;
 
 absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
   if (starts.empty()) return absl::InvalidArgumentError("starts: none");
@@ -36,27 +34,15 @@ absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
   return absl::OkStatus();
 }
 
-void ToUnit(const Normalization& normalization, const PointCloud& user, PointCloud* unit) {
-  unit->points.resize(3, user.size());
-  ParallelFor(user.size(), 16384, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      unit->points.col(i) =
-          ((user.points.col(i).cast<double>() - normalization.center) * normalization.scale)
-              .cast<float>();
-    }
-  });
-  unit->normals = user.normals;
-}
-
 }  // namespace
 
 struct Fitter::State {
-  State(const ControlMesh& mesh, const Normalization& normalization, const FitOptions& options)
+  State(const ControlMesh& mesh, StencilMatrix samples, const Normalization& normalization,
+        const FitOptions& options)
       : normalization(normalization),
         options(options),
         rest(normalization.ToUnit(mesh.vertices())),
-        objective(mesh.topology(), SampleStencils(mesh, options.distance.sampling),
-                  options.arap.weight.value_or(kArapWeightPerVertex * mesh.vertex_count()),
+        objective(mesh.topology(), std::move(samples), 0,
                   options.coverage.weight > 0
                       ? std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags())
                       : nullptr),
@@ -70,7 +56,7 @@ struct Fitter::State {
     double lowest = 0;
     for (size_t k = 0; k < starts.size(); ++k) {
       Points3d start = normalization.ToUnit(starts[k]);
-      objective.SetTarget(&index, target.far_radius);
+      objective.SetTarget(&frame.index(), frame.objective_target().far_radius);
       if (starts.size() > 1) {
         const double energy = objective.Assign(start, &half_gradient).distance;
         if (k > 0 && !(energy < lowest)) continue;
@@ -79,8 +65,24 @@ struct Fitter::State {
       best = static_cast<int>(k);
       V->swap(start);
     }
-    objective.SetTarget(target);
+    objective.SetTarget(frame.objective_target());
     return best;
+  }
+
+  // How many radii the distance field has to reach at first so that most samples at V see the
+  // target through it: a power of 2.
+  double FirstRadius(const Points3d& V) {
+    if (options.distance.first_radius > 0) return options.distance.first_radius;
+    objective.Assign(V, &half_gradient);
+    std::vector<double> distances;
+    for (const SampleResiduals& r : objective.residuals()) {
+      distances.push_back(std::max(std::abs(r.f), r.beyond));
+    }
+    const auto rank = distances.begin() + static_cast<int64_t>(0.9 * (distances.size() - 1));
+    std::nth_element(distances.begin(), rank, distances.end());
+    double first = 1;
+    while (first < kMostFirstRadius && first * frame.index().radius() < *rank) first *= 2;
+    return first;
   }
 
   absl::StatusOr<Minimization> Minimize(const CancelFn& cancelled, Points3d* V) {
@@ -92,7 +94,7 @@ struct Fitter::State {
       case Solver::kGaussNewton:
         break;
     }
-    return MinimizeGaussNewton(options.solver, cancelled, &objective, &system, V);
+    return MinimizeGaussNewton(options.solver, cancelled, &objective, &system, V, FirstRadius(*V));
   }
 
   Normalization normalization;
@@ -100,9 +102,7 @@ struct Fitter::State {
   Points3d rest;  // of the template, unit coordinates
   Objective objective;
   StepSystem system;
-  PointCloud cloud;  // the frame's, unit coordinates
-  TargetIndex index;
-  ObjectiveTarget target;  // the frame's
+  FrameTarget frame;
   Points3d half_gradient;  // work space
 };
 
@@ -110,7 +110,10 @@ absl::StatusOr<Fitter> Fitter::Create(const ControlMesh& template_mesh,
                                       const Normalization& normalization,
                                       const FitOptions& options) {
   RETURN_IF_ERROR(options.Validate());
-  return Fitter(std::make_unique<State>(template_mesh, normalization, options));
+  ASSIGN_OR_RETURN(StencilMatrix samples,
+                   SampleStencils(template_mesh, options.distance.sampling,
+                                  options.distance.samples_per_triangle, kSamplingSeed));
+  return Fitter(std::make_unique<State>(template_mesh, std::move(samples), normalization, options));
 }
 
 Fitter::Fitter(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -129,18 +132,8 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   const auto now = [&] { return clock ? clock() : 0.0; };
 
   const double t_start = now();
-  ToUnit(s.normalization, target, &s.cloud);
-  const double scale = s.normalization.scale;
-  const DistanceOptions& distance = s.options.distance;
-  const double radius = distance.radius > 0 ? distance.radius * scale : distance.radius_share;
-  RETURN_IF_ERROR(s.index.Build(s.cloud, radius, distance.radius_factor));
-  s.target.index = &s.index;
-  s.target.far_radius = distance.far_radius > 0 ? distance.far_radius * scale
-                                                : kFarRadiusPerRadius * s.index.radius();
-  s.target.kernel = {distance.kernel, distance.kernel_scale * scale};
-  s.target.cloud = &s.cloud;
-  s.target.coverage_points = s.options.coverage.points_per_vertex * s.rest.cols();
-  s.target.coverage_weight = s.options.coverage.weight;
+  RETURN_IF_ERROR(s.frame.Build(target, s.normalization, s.options, s.rest.cols()));
+  s.objective.set_arap_weight(s.frame.ArapWeight(s.options, s.rest.cols()));
   const double t_indexed = now();
 
   Points3d V;
@@ -159,8 +152,12 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   summary.final = result.final;
   summary.iterations = result.iterations;
   summary.converged = result.converged;
-  summary.radius = s.index.radius() / scale;
-  summary.radius_in_spacings = s.index.radius() / s.index.spacing();
+  const double scale = s.normalization.scale;
+  const TargetIndex& index = s.frame.index();
+  summary.radius = index.radius() / scale;
+  summary.radius_in_spacings = index.radius() / index.spacing();
+  summary.noise = s.frame.noise() / scale;
+  summary.outliers = s.frame.outliers();
   summary.grown_samples = static_cast<int>(s.objective.distance().grown_samples());
   summary.far_samples = static_cast<int>(s.objective.distance().far_samples());
   summary.index_ms = t_indexed - t_start;

@@ -49,7 +49,7 @@ Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weig
 }
 
 void Objective::SetTarget(const ObjectiveTarget& target) {
-  distance_.SetTarget(target.index, target.far_radius, S_.cols(), target.kernel);
+  distance_.SetTarget(target.index, target.far_radius, S_.cols(), target.field, target.kernel);
   if (coverage_ != nullptr) {
     coverage_->SetTarget(target.cloud, target.coverage_points, target.coverage_weight,
                          target.kernel);

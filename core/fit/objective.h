@@ -18,6 +18,7 @@ namespace cagefit {
 struct ObjectiveTarget {
   const TargetIndex* index = nullptr;  // outlives the objective's use of it
   double far_radius = 0;               // d0
+  Field field = Field::kImls;
   RobustKernel kernel;
   const PointCloud* cloud = nullptr;  // with normals: what has to be covered
   int64_t coverage_points = 0;        // of the cloud, at most
