@@ -11,6 +11,10 @@ namespace {
 
 constexpr int64_t kGrain = 256;  // points a chunk
 
+// Of the longest edge of a control triangle. A foot that is off by e lengthens the distance d by
+// e^2 / 2d: far below what the next step changes.
+constexpr double kFootTolerance = 1e-4;
+
 // Below this share of the surface's size a point lies on the surface, and the direction to it is
 // rounding.
 constexpr double kOnSurface = 1e-9;
@@ -21,7 +25,7 @@ CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags)
     : surface_(topology, tags),
       m1_(RefineOnce(topology, tags).topology),
       stencils_(BuildLimitMesh(topology, tags, 1).position),
-      projector_(&surface_, tags),
+      projector_(&surface_, tags, kFootTolerance),
       refinement_transposed_(surface_.refinement().transpose()) {}
 
 void CoverageTerm::SetTarget(const PointCloud* target, int64_t points, double weight,
@@ -36,38 +40,46 @@ void CoverageTerm::SetTarget(const PointCloud* target, int64_t points, double we
     points_.col(k) = target->points.col(k * target->size() / K).cast<double>();
     normals_.col(k) = target->normals.col(k * target->size() / K).cast<double>();
   }
-  assigned_ = false;
+  assigned_stride_ = 0;
   feet_.assign(K, Foot());
   chunks_.resize((K + kGrain - 1) / kGrain);
 }
 
 double CoverageTerm::PointWeight() const {
+  const int64_t stride = std::max<int64_t>(1, assigned_stride_);
+  const int64_t used = (points_.cols() + stride - 1) / stride;
   return weight_ * static_cast<double>(surface_.vertex_count()) /
-         static_cast<double>(std::max<int64_t>(1, points_.cols()));
+         static_cast<double>(std::max<int64_t>(1, used));
 }
 
 double CoverageTerm::Assign(const Points3d& V) {
   if (!is_on()) return 0;
-  surface_.ControlPoints(V, &control_points_);
-  projector_.SetVertices(V);
-  const bool tracks = assigned_;
-  assigned_ = true;
+  // Points that take part for the first time are sought everywhere, others from where they were.
+  if (assigned_stride_ > 0 && assigned_stride_ <= stride_) {
+    projector_.MoveVertices(V);
+  } else {
+    projector_.SetVertices(V);
+  }
+  assigned_stride_ = stride_;
   return PointWeight() * ParallelSum(points_.cols(), kGrain, [&](int64_t begin, int64_t end) {
            Chunk& chunk = chunks_[begin / kGrain];
            chunk.clear();
            double sum = 0;
            for (int64_t k = begin; k < end; ++k) {
-             AssignPoint(k, tracks, &chunk);
+             AssignPoint(k, &chunk);
              sum += Energy(&feet_[k]);
            }
            return sum;
          });
 }
 
-void CoverageTerm::AssignPoint(int64_t k, bool tracks, Chunk* chunk) {
+void CoverageTerm::AssignPoint(int64_t k, Chunk* chunk) {
   Foot& foot = feet_[k];
+  foot.used = k % stride_ == 0;
+  if (!foot.used) return;
   const Eigen::Vector3d p = points_.col(k);
-  const SurfaceFoot found = tracks ? projector_.Track(p, foot.at) : projector_.Closest(p);
+  const SurfaceFoot found =
+      foot.at.face >= 0 ? projector_.Track(p, foot.at) : projector_.Closest(p);
   const Eigen::Vector3d offset = p - found.position;
   const double distance = offset.norm();
   foot.at = found.at;

@@ -48,7 +48,13 @@ class CoverageTerm {
   // `weight` is gamma; 0 or no target: the term is off and everything below is 0.
   void SetTarget(const PointCloud* target, int64_t points, double weight,
                  const RobustKernel& kernel);
-  void SetKernelFactor(double factor) { scaled_kernel_.scale = factor * kernel_.scale; }
+  // Multiplies the kernel's scale. A coarse problem takes every kCoarseStride-th point only, from
+  // the next Assign on.
+  void SetCoarseness(double kernel_factor, bool is_coarse) {
+    scaled_kernel_.scale = kernel_factor * kernel_.scale;
+    stride_ = is_coarse ? kCoarseStride : 1;
+  }
+  static constexpr int64_t kCoarseStride = 4;
   bool is_on() const { return weight_ > 0; }
 
   // Finds the feet at V (3 x n) and returns the energy.
@@ -96,9 +102,9 @@ class CoverageTerm {
   // Entries of the rows of consecutive points, found by one thread.
   using Chunk = std::vector<std::pair<int32_t, double>>;
 
-  void AssignPoint(int64_t k, bool tracks, Chunk* chunk);
+  void AssignPoint(int64_t k, Chunk* chunk);
   double Energy(Foot* foot) const;
-  double PointWeight() const;  // gamma n/K
+  double PointWeight() const;  // gamma n/K, K the points of the last Assign
 
   LimitSurface surface_;
   Topology m1_;
@@ -106,7 +112,8 @@ class CoverageTerm {
   SurfaceProjector projector_;
   StencilMatrix refinement_transposed_;
   double weight_ = 0;
-  bool assigned_ = false;  // the feet are those of an earlier Assign
+  int64_t stride_ = 1;
+  int64_t assigned_stride_ = 0;  // of the last Assign; 0: there was none
   RobustKernel kernel_, scaled_kernel_;
   Points3d points_, normals_;  // 3 x K
   Points3d control_points_;

@@ -35,8 +35,9 @@ struct DistanceOptions {
 
 // Data-to-model distance (energy/coverage_term.h).
 struct CoverageOptions {
-  double weight = 1;          // 0 to 1e6; 0: none, as in [xie2022]
-  int points_per_vertex = 8;  // target points that take part, per control vertex; 1 to 1,000
+  double weight = 10;         // 0 to 1e6; 0: none, as in [xie2022]
+  int points_per_vertex = 8;  // target points that take part, per control vertex (8,000 in all if
+                              // that is more); 1 to 1,000
 };
 
 struct ArapOptions {
@@ -44,7 +45,7 @@ struct ArapOptions {
   std::optional<double> weight;
   RestMesh rest = RestMesh::kTemplate;
 };
-inline constexpr double kArapWeightPerVertex = 1e-5;
+inline constexpr double kArapWeightPerVertex = 3e-6;
 
 struct SolverOptions {
   Solver solver = Solver::kGaussNewton;
@@ -52,7 +53,7 @@ struct SolverOptions {
   double relative_decrease = 1e-2;  // stop when a step lowers the energy by less; up to 0.5
   // Gauss-Newton starts with alpha times this and lowers it step by step, so that parts which moved
   // as a whole are carried as a whole. 1 to 1e6; 1: no continuation.
-  double first_stiffness = 100;
+  double first_stiffness = 400;
   double learning_rate = 1e-3;  // of Adam, unit coordinates a step; 1e-8 to 1
 };
 

@@ -19,6 +19,8 @@ constexpr double kFarRadiusPerRadius = 3;
 constexpr double kKernelScalePerNoise = 2;
 // A kernel narrower than this share of the spacing would reject the surface itself.
 constexpr double kLeastKernelScale = 0.1;
+// Few control vertices need no fewer points each: theirs is the same surface.
+constexpr int64_t kLeastCoveragePoints = 8000;
 // alpha grows by the square of the noise over this length, in unit coordinates.
 constexpr double kNoiseOfDoubleWeight = 1e-3;
 
@@ -56,7 +58,8 @@ absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& nor
   target_.kernel = {distance.kernel,
                     distance.kernel_scale > 0 ? distance.kernel_scale * scale_ : kernel_scale};
   target_.cloud = &cloud_;
-  target_.coverage_points = options.coverage.points_per_vertex * control_vertices;
+  target_.coverage_points =
+      std::max(kLeastCoveragePoints, options.coverage.points_per_vertex * control_vertices);
   target_.coverage_weight = options.coverage.weight;
   return absl::OkStatus();
 }

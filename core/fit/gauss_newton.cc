@@ -37,7 +37,8 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
   double radius = first_radius, stiffness = options.first_stiffness;
   const auto set_coarseness = [&] {
     objective->set_arap_weight(stiffness * arap_weight);
-    objective->SetCoarseness(radius, std::max(radius, std::sqrt(stiffness)));
+    objective->SetCoarseness(radius, std::max(radius, std::sqrt(stiffness)),
+                             stiffness > kStiffnessFactor || radius > 1);
   };
   set_coarseness();
   objective->set_arap_weight(arap_weight);

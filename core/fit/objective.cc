@@ -58,9 +58,9 @@ void Objective::SetTarget(const ObjectiveTarget& target) {
   residuals_.clear();
 }
 
-void Objective::SetCoarseness(double radius_factor, double kernel_factor) {
+void Objective::SetCoarseness(double radius_factor, double kernel_factor, bool is_coarse) {
   distance_.SetCoarseness(radius_factor, kernel_factor);
-  if (coverage_ != nullptr) coverage_->SetKernelFactor(kernel_factor);
+  if (coverage_ != nullptr) coverage_->SetCoarseness(kernel_factor, is_coarse);
   if (radius_factor != radius_factor_) residuals_.clear();
   radius_factor_ = radius_factor;
 }

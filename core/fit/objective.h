@@ -42,8 +42,9 @@ class Objective {
   void SetRest(const Points3d& rest) { arap_.SetRest(rest); }
 
   // Coarse to fine: multiplies radius and far radius by `radius_factor`, the kernel's scale by
-  // `kernel_factor`, both >= 1; 1 after SetTarget. Assign must follow.
-  void SetCoarseness(double radius_factor, double kernel_factor);
+  // `kernel_factor`, both >= 1, 1 after SetTarget; a coarse problem covers fewer points. Assign
+  // must follow.
+  void SetCoarseness(double radius_factor, double kernel_factor, bool is_coarse);
 
   // Chooses radius and branch of every sample and the foot of every covered point at V (3 x n),
   // where Evaluate was last called or the target or the coarseness is new, and returns the energies

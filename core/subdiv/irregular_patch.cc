@@ -75,6 +75,7 @@ IrregularPatch::IrregularPatch(const CornerFan& fan)
       position_(fan.position),
       dart_(fan.dart),
       ring_size_(static_cast<int>(fan.ring.size())),
+      beta_(ring_size_ >= 3 ? LoopBeta(ring_size_) : 0),
       sharp_p_(IsSharpRingEdge(position_)),
       sharp_q_(IsSharpRingEdge((position_ + 1) % ring_size_)) {}
 
@@ -163,9 +164,8 @@ void IrregularPatch::CarryBack(int count, const PatchWeights& fine, PatchWeights
   const int m = ring_size_;
   switch (rule_) {
     case VertexRule::kSmooth: {
-      const double beta = LoopBeta(m);
-      add(1 - m * beta, 0, 0);
-      for (int k = 1; k <= m; ++k) add(beta, 0, k);
+      add(1 - m * beta_, 0, 0);
+      for (int k = 1; k <= m; ++k) add(beta_, 0, k);
       break;
     }
     case VertexRule::kCrease:

@@ -69,6 +69,7 @@ class IrregularPatch {
   VertexRule rule_;
   bool closed_;
   int position_, dart_, ring_size_;
+  double beta_;  // of a smooth vertex
   bool sharp_p_, sharp_q_;
 };
 

@@ -17,7 +17,7 @@ SurfaceProjector::SurfaceProjector(const LimitSurface* surface, const CreaseTags
       mesh_(BuildLimitMesh(surface->topology(), tags, 1)) {}
 
 void SurfaceProjector::SetVertices(const Points3d& V) {
-  surface_->ControlPoints(V, &control_points_);
+  MoveVertices(V);
   ApplyStencils(mesh_.position, V, &mesh_vertices_);
   bvh_.Build(mesh_vertices_, mesh_.triangles);
 }
