@@ -11,13 +11,11 @@ namespace {
 
 constexpr int64_t kGrain = 256;  // points a chunk
 
-// Of the longest edge of a control triangle. A foot that is off by e lengthens the distance d by
-// e^2 / 2d: far below what the next step changes.
-constexpr double kFootTolerance = 1e-4;
-
-// Below this share of the surface's size a point lies on the surface, and the direction to it is
-// rounding.
-constexpr double kOnSurface = 1e-9;
+// Of the longest edge of a control triangle. Along the normal a foot that is off by e changes the
+// distance by the surface's curvature times e^2 / 2: a thousandth of the sagitta of a triangle.
+constexpr double kFootTolerance = 1e-2;
+// A foot is sought again when it has moved farther than this.
+constexpr double kStayTolerance = 0.04;
 
 }  // namespace
 
@@ -32,6 +30,7 @@ void CoverageTerm::SetTarget(const PointCloud* target, int64_t points, double we
                              const RobustKernel& kernel) {
   weight_ = target != nullptr ? weight : 0;
   kernel_ = scaled_kernel_ = kernel;
+  stride_ = 1;
   if (!is_on()) return;
   const int64_t K = std::min(points, target->size());
   points_.resize(3, K);
@@ -63,7 +62,8 @@ double CoverageTerm::Assign(const Points3d& V) {
   assigned_stride_ = stride_;
   return PointWeight() * ParallelSum(points_.cols(), kGrain, [&](int64_t begin, int64_t end) {
            Chunk& chunk = chunks_[begin / kGrain];
-           chunk.clear();
+           chunk.last.swap(chunk.entries);
+           chunk.entries.clear();
            double sum = 0;
            for (int64_t k = begin; k < end; ++k) {
              AssignPoint(k, &chunk);
@@ -73,27 +73,59 @@ double CoverageTerm::Assign(const Points3d& V) {
          });
 }
 
+// Of the point of the surface at a foot whose row is in `entries`.
+Eigen::Vector3d CoverageTerm::Offset(int64_t k, const Entries& entries,
+                                     const Points3d& control_points) const {
+  const Foot& foot = feet_[k];
+  Eigen::Vector3d offset = points_.col(k);
+  for (int32_t s = foot.begin; s < foot.begin + foot.count; ++s) {
+    offset -= entries[s].second * control_points.col(entries[s].first);
+  }
+  return offset;
+}
+
+// A foot stays while the point is off along the normal that it was found with.
+bool CoverageTerm::Stays(int64_t k, const Chunk& chunk) {
+  Foot& foot = feet_[k];
+  if (!foot.is_free) return false;
+  const Points3d& control_points = projector_.control_points();
+  const Eigen::Vector3d offset = Offset(k, chunk.last, control_points);
+  const double distance = foot.direction.dot(offset);
+  const auto corners = surface_.topology().triangles().col(foot.at.face);
+  const double edge = (control_points.col(corners(1)) - control_points.col(corners(0))).norm();
+  if ((offset - distance * foot.direction).norm() > kStayTolerance * edge) return false;
+  foot.residual = distance;
+  return true;
+}
+
 void CoverageTerm::AssignPoint(int64_t k, Chunk* chunk) {
   Foot& foot = feet_[k];
-  foot.used = k % stride_ == 0;
-  if (!foot.used) return;
+  const bool takes_part = k % stride_ == 0;
+  const auto end = static_cast<int32_t>(chunk->entries.size());
+  if (takes_part && foot.used && Stays(k, *chunk)) {
+    const auto row = chunk->last.begin() + foot.begin;
+    chunk->entries.insert(chunk->entries.end(), row, row + foot.count);
+    foot.begin = end;
+    return;
+  }
+  foot.used = false;
+  if (!takes_part) return;
   const Eigen::Vector3d p = points_.col(k);
   const SurfaceFoot found =
       foot.at.face >= 0 ? projector_.Track(p, foot.at) : projector_.Closest(p);
-  const Eigen::Vector3d offset = p - found.position;
-  const double distance = offset.norm();
   foot.at = found.at;
   foot.used = normals_.col(k).dot(found.normal) > 0;
-  foot.begin = static_cast<int32_t>(chunk->size());
-  foot.count = 0;
-  foot.residual = 0;
   if (!foot.used) return;
-  foot.direction = distance > kOnSurface ? (offset / distance).eval() : found.normal;
+  const Eigen::Vector3d offset = p - found.position;
+  foot.is_free = found.is_free && !found.on_boundary;
+  foot.direction =
+      foot.is_free || found.distance == 0 ? found.normal : (offset / found.distance).eval();
   foot.residual = foot.direction.dot(offset);
   SurfaceRow row;
   surface_.PositionRow(found.at, &row);
-  chunk->insert(chunk->end(), row.begin(), row.end());
+  foot.begin = end;
   foot.count = static_cast<int32_t>(row.size());
+  chunk->entries.insert(chunk->entries.end(), row.begin(), row.end());
   foot.triangle = RefinedTriangle(found.at, &foot.barycentric);
 }
 
@@ -101,16 +133,12 @@ double CoverageTerm::Evaluate(const Points3d& V) {
   if (!is_on()) return 0;
   surface_.ControlPoints(V, &control_points_);
   return PointWeight() * ParallelSum(points_.cols(), kGrain, [&](int64_t begin, int64_t end) {
-           const Chunk& chunk = chunks_[begin / kGrain];
+           const Entries& entries = chunks_[begin / kGrain].entries;
            double sum = 0;
            for (int64_t k = begin; k < end; ++k) {
              Foot& foot = feet_[k];
              if (!foot.used) continue;
-             Eigen::Vector3d X = Eigen::Vector3d::Zero();
-             for (int32_t s = foot.begin; s < foot.begin + foot.count; ++s) {
-               X += chunk[s].second * control_points_.col(chunk[s].first);
-             }
-             foot.residual = foot.direction.dot(points_.col(k) - X);
+             foot.residual = foot.direction.dot(Offset(k, entries, control_points_));
              sum += Energy(&foot);
            }
            return sum;
@@ -132,10 +160,10 @@ void CoverageTerm::AddHalfGradient(Points3d* half_gradient) const {
   for (int64_t k = 0; k < points_.cols(); ++k) {
     const Foot& foot = feet_[k];
     if (!foot.used) continue;
-    const Chunk& chunk = chunks_[k / kGrain];
+    const Entries& entries = chunks_[k / kGrain].entries;
     const Eigen::Vector3d g = (scale * foot.weight * foot.residual) * foot.direction;
     for (int32_t s = foot.begin; s < foot.begin + foot.count; ++s) {
-      pull_.col(chunk[s].first) += chunk[s].second * g;
+      pull_.col(entries[s].first) += entries[s].second * g;
     }
   }
   *half_gradient += pull_.leftCols(n);
@@ -171,8 +199,8 @@ void CoverageTerm::Linearize(Blocks* blocks) const {
 
 CoverageTerm::Row CoverageTerm::row(int64_t k) const {
   const Foot& foot = feet_[k];
-  const Chunk& chunk = chunks_[k / kGrain];
-  return {absl::MakeConstSpan(chunk).subspan(foot.begin, foot.count), foot.direction,
+  const Entries& entries = chunks_[k / kGrain].entries;
+  return {absl::MakeConstSpan(entries).subspan(foot.begin, foot.count), foot.direction,
           points_.col(k), PointWeight()};
 }
 

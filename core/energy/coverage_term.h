@@ -4,7 +4,8 @@
 //   E_cov = gamma (n/K) sum_k rho( (d_k . (p_k - X_k))^2 )
 //
 // n control vertices, K target points p_k, X_k the point of the limit surface closest to p_k, d_k
-// the unit vector from X_k to p_k (the surface's normal where they coincide), rho a robust kernel.
+// the surface's normal there or, where a boundary or a crease holds the foot back, the unit vector
+// from X_k to p_k, rho a robust kernel.
 // The foot of p_k, as (face, u, v), and d_k are chosen by Assign and held fixed for value, gradient
 // and step acceptance: X_k = sum_j s_kj V_j is linear in V, and so is the residual, which equals
 // the distance of p_k where it was assigned. Sliding along the surface costs nothing, at a boundary
@@ -92,6 +93,7 @@ class CoverageTerm {
  private:
   struct Foot {
     bool used = false;
+    bool is_free = false;          // the direction is the surface's normal
     int32_t begin = 0, count = 0;  // of its row, in its chunk
     int32_t triangle = 0;          // of M1
     Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
@@ -99,9 +101,14 @@ class CoverageTerm {
     double residual = 0, weight = 0;  // at the last evaluation: rho'
     SurfacePoint at;
   };
-  // Entries of the rows of consecutive points, found by one thread.
-  using Chunk = std::vector<std::pair<int32_t, double>>;
+  // Entries of the rows of consecutive points, written by one thread.
+  using Entries = std::vector<std::pair<int32_t, double>>;
+  struct Chunk {
+    Entries entries, last;  // after and before the last Assign
+  };
 
+  Eigen::Vector3d Offset(int64_t k, const Entries& entries, const Points3d& control_points) const;
+  bool Stays(int64_t k, const Chunk& chunk);
   void AssignPoint(int64_t k, Chunk* chunk);
   double Energy(Foot* foot) const;
   double PointWeight() const;  // gamma n/K, K the points of the last Assign

@@ -54,26 +54,24 @@ struct Fitter::State {
   int Begin(const std::vector<Points3d>& starts, Points3d* V) {
     int best = 0;
     double lowest = 0;
+    objective.SetTarget(&frame.index(), frame.objective_target().far_radius);
     for (size_t k = 0; k < starts.size(); ++k) {
       Points3d start = normalization.ToUnit(starts[k]);
-      objective.SetTarget(&frame.index(), frame.objective_target().far_radius);
-      if (starts.size() > 1) {
-        const double energy = objective.Assign(start, &half_gradient).distance;
-        if (k > 0 && !(energy < lowest)) continue;
-        lowest = energy;
-      }
+      const double energy = objective.AssignSamples(start, &half_gradient).distance;
+      if (k > 0 && !(energy < lowest)) continue;
+      lowest = energy;
       best = static_cast<int>(k);
+      first_radius = FirstRadius();
       V->swap(start);
     }
     objective.SetTarget(frame.objective_target());
     return best;
   }
 
-  // How many radii the distance field has to reach at first so that most samples at V see the
-  // target through it: a power of 2.
-  double FirstRadius(const Points3d& V) {
+  // How many radii the distance field has to reach at first so that most samples, where they were
+  // last assigned, see the target through it: a power of 2.
+  double FirstRadius() const {
     if (options.distance.first_radius > 0) return options.distance.first_radius;
-    objective.Assign(V, &half_gradient);
     std::vector<double> distances;
     for (const SampleResiduals& r : objective.residuals()) {
       distances.push_back(std::max(std::abs(r.f), r.beyond));
@@ -94,7 +92,7 @@ struct Fitter::State {
       case Solver::kGaussNewton:
         break;
     }
-    return MinimizeGaussNewton(options.solver, cancelled, &objective, &system, V, FirstRadius(*V));
+    return MinimizeGaussNewton(options.solver, cancelled, &objective, &system, V, first_radius);
   }
 
   Normalization normalization;
@@ -103,7 +101,8 @@ struct Fitter::State {
   Objective objective;
   StepSystem system;
   FrameTarget frame;
-  Points3d half_gradient;  // work space
+  double first_radius = 1;  // of the chosen start
+  Points3d half_gradient;   // work space
 };
 
 absl::StatusOr<Fitter> Fitter::Create(const ControlMesh& template_mesh,

@@ -202,7 +202,10 @@ SurfaceFoot FootSearch::Foot(const State& state) const {
   foot.at = state.at;
   foot.position = state.jet.position;
   foot.normal = state.jet.du.cross(state.jet.dv).normalized();
-  foot.distance = (state.jet.position - x_).norm();
+  const Eigen::Vector3d offset = x_ - state.jet.position;
+  foot.distance = offset.norm();
+  const Eigen::Vector3d tangential = offset - foot.normal * foot.normal.dot(offset);
+  foot.is_free = tangential.norm() <= 2 * tolerance_ * LongestEdge(state.at.face);
   for (int c = 0; c < 3; ++c) {
     const bool is_boundary = surface_.topology().opposite(3 * state.at.face + c) == Topology::kNone;
     foot.on_boundary = foot.on_boundary || (is_boundary && IsOnEdge(state.at, c));

@@ -13,6 +13,9 @@ namespace cagefit {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr int kLattice = 12;  // points of a regular child
+constexpr int kMiddle = 2;    // the child that is turned by half
+static_assert(kLattice % kJetSize == 0);
 
 // Outer points, in their order behind the ring.
 enum Outer { kO, kX1, kX2, kY1, kY2 };
@@ -40,7 +43,7 @@ enum Node {
 };
 
 // The children (rp x2 o), (rq o y1) and (o rq rp) with their rings, in the order of box_spline.h.
-constexpr Node kChildPoints[3][12] = {
+constexpr Node kChildPoints[3][kLattice] = {
     {kRp, kNx2, kNo, kNx1, kZ3, kRq, kV, kA, kZ1, kZ2, kZ4, kNy1},
     {kRq, kNo, kNy1, kRp, kZ4, kNy2, kB, kV, kNx2, kZ3, kZ5, kZ6},
     {kNo, kRq, kRp, kNy1, kV, kNx2, kZ3, kZ4, kNy2, kB, kA, kNx1}};
@@ -77,36 +80,50 @@ IrregularPatch::IrregularPatch(const CornerFan& fan)
       ring_size_(static_cast<int>(fan.ring.size())),
       beta_(ring_size_ >= 3 ? LoopBeta(ring_size_) : 0),
       sharp_p_(IsSharpRingEdge(position_)),
-      sharp_q_(IsSharpRingEdge((position_ + 1) % ring_size_)) {}
+      sharp_q_(IsSharpRingEdge((position_ + 1) % ring_size_)) {
+  FillTable();
+}
+
+IrregularPatch::Descent IrregularPatch::Descend(double u, double v) {
+  int depth = 0;
+  for (; u + v < 0.5; u *= 2, v *= 2) ++depth;
+  if (u >= 0.5) return {depth, 0, 2 * u - 1, 2 * v};
+  if (v >= 0.5) return {depth, 1, 2 * u, 2 * v - 1};
+  return {depth, kMiddle, 1 - 2 * u, 1 - 2 * v};
+}
 
 void IrregularPatch::Evaluate(double u, double v, Derivatives derivatives,
                               PatchWeights* weights) const {
   weights->assign(point_count(), JetWeights{});
   if (IsAtVertex(u, v)) return AtVertex(derivatives, weights);
 
-  // After `depth` refinements the point lies in a regular child.
-  int depth = 0;
-  for (; u + v < 0.5; u *= 2, v *= 2) ++depth;
-  const int child = u >= 0.5 ? 0 : v >= 0.5 ? 1 : 2;
-  const double sign = child == 2 ? -1 : 1;  // the middle child is turned by half
+  const Descent at = Descend(u, v);
   BoxSplineWeights lattice;
-  EvaluateBoxSpline(child == 0   ? 2 * u - 1
-                    : child == 1 ? 2 * u
-                                 : 1 - 2 * u,
-                    child == 1   ? 2 * v - 1
-                    : child == 0 ? 2 * v
-                                 : 1 - 2 * v,
-                    derivatives, &lattice);
+  EvaluateBoxSpline(at.u, at.v, derivatives, &lattice);
   const int count = JetCount(derivatives);
-  const double first = std::ldexp(sign, depth + 1), second = std::ldexp(1.0, 2 * (depth + 1));
+  const double first = std::ldexp(at.child == kMiddle ? -1.0 : 1.0, at.depth + 1);
+  const double second = std::ldexp(1.0, 2 * (at.depth + 1));
   for (JetWeights& w : lattice) {
     for (int k = 1; k < count; ++k) w[k] *= k < 3 ? first : second;
   }
+  if (at.depth >= kTabled) {
+    FromChild(at, lattice, count, weights);
+  } else if (derivatives == Derivatives::kNone) {
+    FromTable<JetCount(Derivatives::kNone)>(at, lattice, weights);
+  } else if (derivatives == Derivatives::kFirst) {
+    FromTable<JetCount(Derivatives::kFirst)>(at, lattice, weights);
+  } else {
+    FromTable<JetCount(Derivatives::kSecond)>(at, lattice, weights);
+  }
+}
+
+void IrregularPatch::FromChild(const Descent& at, const BoxSplineWeights& lattice, int count,
+                               PatchWeights* weights) const {
   PatchWeights fine(point_count(), JetWeights{});
-  AddChild(child, lattice, count, &fine, weights);
+  AddChild(at.child, lattice, count, &fine, weights);
   CarryBack(count, fine, weights);
   RestoreSums(count, weights);
-  for (; depth > 0; --depth) {
+  for (int depth = at.depth; depth > 0; --depth) {
     fine.swap(*weights);
     weights->assign(point_count(), JetWeights{});
     CarryBack(count, fine, weights);
@@ -114,10 +131,48 @@ void IrregularPatch::Evaluate(double u, double v, Derivatives derivatives,
   }
 }
 
+template <int count>
+void IrregularPatch::FromTable(const Descent& at, const BoxSplineWeights& lattice,
+                               PatchWeights* weights) const {
+  const double* row = &table_[(3 * at.depth + at.child) * point_count() * kLattice];
+  for (JetWeights& out : *weights) {
+    std::array<double, count> sum = {};
+    for (int k = 0; k < kLattice; ++k, ++row) {
+      for (int c = 0; c < count; ++c) sum[c] += *row * lattice[k][c];
+    }
+    std::copy(sum.begin(), sum.end(), out.begin());
+  }
+  RestoreSums(count, weights);
+}
+
+void IrregularPatch::FillTable() {
+  table_.resize(kTabled * 3 * point_count() * kLattice);
+  PatchWeights weights, coarse;
+  for (int child = 0; child < 3; ++child) {
+    for (int begin = 0; begin < kLattice; begin += kJetSize) {
+      BoxSplineWeights lattice = {};
+      for (int c = 0; c < kJetSize; ++c) lattice[begin + c][c] = 1;
+      weights.assign(point_count(), JetWeights{});
+      PatchWeights fine = weights;
+      AddChild(child, lattice, kJetSize, &fine, &weights);
+      CarryBack(kJetSize, fine, &weights);
+      for (int depth = 0; depth < kTabled; ++depth) {
+        double* const table = &table_[(3 * depth + child) * point_count() * kLattice];
+        for (int j = 0; j < point_count(); ++j) {
+          std::copy(weights[j].begin(), weights[j].end(), table + j * kLattice + begin);
+        }
+        coarse.assign(point_count(), JetWeights{});
+        CarryBack(kJetSize, weights, &coarse);
+        weights.swap(coarse);
+      }
+    }
+  }
+}
+
 void IrregularPatch::AddChild(int child, const BoxSplineWeights& lattice, int count,
                               PatchWeights* fine, PatchWeights* coarse) const {
   JetWeights nodes[kNodes] = {};
-  for (int k = 0; k < 12; ++k) Add(1, lattice[k], count, &nodes[kChildPoints[child][k]]);
+  for (int k = 0; k < kLattice; ++k) Add(1, lattice[k], count, &nodes[kChildPoints[child][k]]);
   if (sharp_p_) {
     Mirror(kRp, kV, kRq, count, &nodes[kA], nodes);
     Mirror(kRp, kNx2, kNo, count, &nodes[kNx1], nodes);

@@ -5,9 +5,11 @@
 // in a regular triangle after some steps; its box spline weights there, carried back step by step
 // through the refinement masks, are its weights in the patch's own points. Where Stam diagonalises
 // the refinement this multiplies, at a few flops a point and step, for any valence, boundary,
-// crease, dart or corner.
+// crease, dart or corner. The products of the first steps are made once.
 #ifndef CAGEFIT_CORE_SUBDIV_IRREGULAR_PATCH_H_
 #define CAGEFIT_CORE_SUBDIV_IRREGULAR_PATCH_H_
+
+#include <vector>
 
 #include "absl/container/inlined_vector.h"
 #include "core/subdiv/box_spline.h"
@@ -56,6 +58,21 @@ class IrregularPatch {
 
   static constexpr double kVertexRadius = 1e-14;  // below it a double has lost the direction from v
 
+  static constexpr int kTabled = 6;  // depths whose products are kept
+
+  // Where a point other than v lies: the regular child of the patch after `depth` refinements.
+  struct Descent {
+    int depth, child;
+    double u, v;  // in the child
+  };
+  static Descent Descend(double u, double v);
+  // Weights of the patch's points from those of the 12 points of the child.
+  void FromChild(const Descent& at, const BoxSplineWeights& lattice, int count,
+                 PatchWeights* weights) const;
+  template <int count>
+  void FromTable(const Descent& at, const BoxSplineWeights& lattice, PatchWeights* weights) const;
+  void FillTable();
+
   void AtVertex(Derivatives derivatives, PatchWeights* weights) const;
   void AddCreaseTangents(PatchWeights* weights) const;
   void AddDartTangents(PatchWeights* weights) const;
@@ -71,6 +88,7 @@ class IrregularPatch {
   int position_, dart_, ring_size_;
   double beta_;  // of a smooth vertex
   bool sharp_p_, sharp_q_;
+  std::vector<double> table_;  // kTabled depths x 3 children x point_count() x 12
 };
 
 }  // namespace cagefit

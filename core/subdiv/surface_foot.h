@@ -14,6 +14,9 @@ struct SurfaceFoot {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit; on a crease that of the side of `at`
   double distance = 0;
   bool on_boundary = false;  // on an edge of the mesh that has one triangle
+  // The point is off along the normal, but for the tolerance of the search: no boundary, crease or
+  // vertex holds the foot back.
+  bool is_free = false;
 };
 
 }  // namespace cagefit

@@ -37,7 +37,7 @@ TEST(SessionTest, FitsAFrame) {
   EXPECT_EQ(frame.verdict, Verdict::kOk);
   EXPECT_EQ(frame.points, 500);
   EXPECT_GT(frame.fit.iterations, 0);
-  EXPECT_LT(frame.fit.final.distance, frame.fit.initial.distance);
+  EXPECT_LT(frame.fit.final.total(), frame.fit.initial.total());
   EXPECT_LT(frame.rms_percent, 1);
   EXPECT_TRUE(frame.delta.key);
   EXPECT_FALSE(frame.made_template);
