@@ -27,7 +27,8 @@ struct DistanceOptions {
   double radius_factor = 1.7;  // of the median distance to the 6th neighbour; 0.5 to 20
   double far_radius = 0;       // d0, user units; 0: three times the radius
   // Coarse to fine: starts with this multiple of h and halves it step by step; 1 to 64, 1: always
-  // h. 0: by the distance of the start from the target.
+  // h. 0: by the distance of the start from the target, onto which a start that is far off is moved
+  // as a whole (alignment.h).
   double first_radius = 0;
   Kernel kernel = Kernel::kIdentity;  // rho, for distance and coverage alike
   double kernel_scale = 0;            // user units; 0: twice the noise estimate of each frame

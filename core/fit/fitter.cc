@@ -8,11 +8,13 @@
 #include "absl/strings/str_format.h"
 #include "core/base/status.h"
 #include "core/fit/adam.h"
+#include "core/fit/alignment.h"
 #include "core/fit/ceres_solver.h"
 #include "core/fit/frame_target.h"
 #include "core/fit/gauss_newton.h"
 #include "core/fit/objective.h"
 #include "core/fit/step_system.h"
+#include "core/subdiv/limit.h"
 #include "core/subdiv/surface_sampler.h"
 
 namespace cagefit {
@@ -23,6 +25,7 @@ namespace {
 constexpr double kMostFirstRadius = 4;
 // Area sampling draws the same points for every session on one template.
 constexpr uint64_t kSamplingSeed = 1;
+constexpr double kSameSize = 0.1;  // of the logarithm
 
 absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
   if (starts.empty()) return absl::InvalidArgumentError("starts: none");
@@ -37,9 +40,10 @@ absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
 }  // namespace
 
 struct Fitter::State {
-  State(const ControlMesh& mesh, StencilMatrix samples, const Normalization& normalization,
+  State(const ControlMesh& template_mesh, StencilMatrix samples, const Normalization& normalization,
         const FitOptions& options)
-      : normalization(normalization),
+      : mesh(template_mesh),
+        normalization(normalization),
         options(options),
         rest(normalization.ToUnit(mesh.vertices())),
         objective(mesh.topology(), std::move(samples), 0,
@@ -50,7 +54,8 @@ struct Fitter::State {
     objective.SetRest(rest);
   }
 
-  // Writes the start with the lowest E_dist, in unit coordinates, and returns its index.
+  // Writes the start with the lowest E_dist, in unit coordinates, and returns its index. A start
+  // that is far off is first moved as a whole.
   int Begin(const std::vector<Points3d>& starts, Points3d* V) {
     int best = 0;
     double lowest = 0;
@@ -61,26 +66,63 @@ struct Fitter::State {
       if (k > 0 && !(energy < lowest)) continue;
       lowest = energy;
       best = static_cast<int>(k);
-      first_radius = FirstRadius();
+      far_off = FarOff();
       V->swap(start);
     }
+    const bool is_automatic = options.distance.first_radius == 0;
+    if (is_automatic && far_off > kMostFirstRadius * frame.index().radius()) Align(V);
     objective.SetTarget(frame.objective_target());
     return best;
   }
 
-  // How many radii the distance field has to reach at first so that most samples, where they were
-  // last assigned, see the target through it: a power of 2.
-  double FirstRadius() const {
-    if (options.distance.first_radius > 0) return options.distance.first_radius;
+  // How far from the target most samples are, where they were last assigned.
+  double FarOff() const {
     std::vector<double> distances;
     for (const SampleResiduals& r : objective.residuals()) {
       distances.push_back(std::max(std::abs(r.f), r.beyond));
     }
     const auto rank = distances.begin() + static_cast<int64_t>(0.9 * (distances.size() - 1));
     std::nth_element(distances.begin(), rank, distances.end());
+    return *rank;
+  }
+
+  void Align(Points3d* V) {
+    if (alignment_mesh.triangles.cols() == 0) {
+      alignment_mesh = BuildLimitMesh(mesh.topology(), mesh.tags(), 1);
+    }
+    TriangleMesh surface;
+    ApplyStencils(alignment_mesh.position, *V, &surface.vertices);
+    surface.triangles = alignment_mesh.triangles;
+    const Similarity similarity = AlignToTarget(surface, frame.cloud());
+    if (similarity.is_identity()) return;
+    *V = similarity * *V;
+    objective.AssignSamples(*V, &half_gradient);
+    far_off = FarOff();
+  }
+
+  // How many radii the distance field has to reach at first so that most samples see the target
+  // through it: a power of 2.
+  double FirstRadius() const {
+    if (options.distance.first_radius > 0) return options.distance.first_radius;
     double first = 1;
-    while (first < kMostFirstRadius && first * frame.index().radius() < *rank) first *= 2;
+    while (first < kMostFirstRadius && first * frame.index().radius() < far_off) first *= 2;
     return first;
+  }
+
+  // The rest mesh for a start V: in its size, where the two differ by more than a tenth. Rotations
+  // start afresh, so that the result depends on nothing but the arguments.
+  void SetRest(const Points3d& V) {
+    if (options.arap.rest == RestMesh::kPreviousFrame) return objective.SetRest(V);
+    const double ratio = EdgeSum(V) / EdgeSum(rest);
+    objective.SetRest(std::abs(std::log(ratio)) > kSameSize ? Points3d(ratio * rest) : rest);
+  }
+  double EdgeSum(const Points3d& V) const {
+    double sum = 0;
+    for (int32_t e = 0; e < mesh.topology().edge_count(); ++e) {
+      const auto& [a, b] = mesh.topology().edge(e);
+      sum += (V.col(a) - V.col(b)).norm();
+    }
+    return sum;
   }
 
   absl::StatusOr<Minimization> Minimize(const CancelFn& cancelled, Points3d* V) {
@@ -92,17 +134,19 @@ struct Fitter::State {
       case Solver::kGaussNewton:
         break;
     }
-    return MinimizeGaussNewton(options.solver, cancelled, &objective, &system, V, first_radius);
+    return MinimizeGaussNewton(options.solver, cancelled, &objective, &system, V, FirstRadius());
   }
 
+  ControlMesh mesh;
   Normalization normalization;
   FitOptions options;
   Points3d rest;  // of the template, unit coordinates
   Objective objective;
   StepSystem system;
   FrameTarget frame;
-  double first_radius = 1;  // of the chosen start
-  Points3d half_gradient;   // work space
+  double far_off = 0;        // of the chosen start, unit coordinates
+  LimitMesh alignment_mesh;  // empty until a start is far off
+  Points3d half_gradient;    // work space
 };
 
 absl::StatusOr<Fitter> Fitter::Create(const ControlMesh& template_mesh,
@@ -137,8 +181,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
 
   Points3d V;
   const int chosen = s.Begin(starts, &V);
-  // Rotations, too, start afresh, so that the result depends on nothing but the arguments.
-  s.objective.SetRest(s.options.arap.rest == RestMesh::kPreviousFrame ? V : s.rest);
+  s.SetRest(V);
   ASSIGN_OR_RETURN(const Minimization result, s.Minimize(cancelled, &V));
   if (!V.allFinite() || !std::isfinite(result.final.total())) {
     return absl::InternalError("fit: diverged, the control vertices are not finite");

@@ -26,6 +26,7 @@ class FrameTarget {
 
   const ObjectiveTarget& objective_target() const { return target_; }
   const TargetIndex& index() const { return index_; }
+  const PointCloud& cloud() const { return cloud_; }  // unit coordinates, cleaned
   double noise() const { return noise_; }         // standard deviation, unit coordinates
   int64_t outliers() const { return outliers_; }  // points that were left out
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/core/cloud/spoiled_cloud.h"
+#include "tests/support/spoiled_cloud.h"
 #include "tests/support/shapes.h"
 
 namespace cagefit {

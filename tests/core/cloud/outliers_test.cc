@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/core/cloud/spoiled_cloud.h"
+#include "tests/support/spoiled_cloud.h"
 #include "tests/support/data.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/shapes.h"

@@ -8,22 +8,30 @@ namespace cagefit {
 namespace {
 
 constexpr double kUserScale = 250;  // the tests' user unit is a millimetre
+const Eigen::Vector3d kCentre(10, 20, 30);
 
 PointCloud UserCloud(double wave) {
   PointCloud cloud = testing::EllipsoidCloud(8000, {0.5, 0.4 + wave, 0.3});
-  cloud.points =
-      (static_cast<float>(kUserScale) * cloud.points).colwise() + Eigen::Vector3f(10, 20, 30);
+  cloud.points = (static_cast<float>(kUserScale) * cloud.points).colwise() + kCentre.cast<float>();
   return cloud;
 }
 
 class FitterTest : public ::testing::Test {
  protected:
   FitterTest() : cage_(testing::SphereCage(2, 0.45 * kUserScale)) {
-    cage_ = cage_.WithVertices(cage_.vertices().colwise() + Eigen::Vector3d(10, 20, 30));
+    cage_ = cage_.WithVertices(cage_.vertices().colwise() + kCentre);
     normalization_ = *Normalization::FromBox(BoundingBox(UserCloud(0).points));
   }
   Fitter MakeFitter(const FitOptions& options = {}) {
     return *Fitter::Create(cage_, normalization_, options);
+  }
+  // (x/a)^2 + (y/b)^2 + (z/c)^2 - 1 on the limit surface.
+  double LargestError(const Points3d& fitted) const {
+    Points3d Q;
+    ApplyStencils(BuildLimitMesh(cage_.topology(), cage_.tags(), 2).position, fitted, &Q);
+    const Eigen::Array3Xd unit =
+        ((Q.colwise() - kCentre) / kUserScale).array().colwise() / Eigen::Array3d(0.5, 0.4, 0.3);
+    return (unit.square().colwise().sum() - 1).abs().maxCoeff();
   }
 
   ControlMesh cage_ = testing::SphereCage(0, 1);
@@ -36,13 +44,20 @@ TEST_F(FitterTest, LimitSurfaceReachesTheTarget) {
   const auto summary = fitter.Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_TRUE(summary->converged);
-  Points3d Q;
-  ApplyStencils(BuildLimitMesh(cage_.topology(), cage_.tags(), 2).position, fitted, &Q);
-  // (x/a)^2 + (y/b)^2 + (z/c)^2 = 1 on the ellipsoid.
-  const Eigen::Array3Xd unit =
-      ((Q.colwise() - Eigen::Vector3d(10, 20, 30)) / kUserScale).array().colwise() /
-      Eigen::Array3d(0.5, 0.4, 0.3);
-  EXPECT_LT((unit.square().colwise().sum() - 1).abs().maxCoeff(), 0.02);
+  EXPECT_LT(LargestError(fitted), 0.02);
+}
+
+TEST_F(FitterTest, AStartThatIsFarOffReachesTheSameSurface) {
+  const Eigen::Vector3d shift = kUserScale * Eigen::Vector3d(0.3, -0.2, 0.1);
+  for (const double scale : {0.7, 1.3}) {
+    const ControlMesh moved = cage_.WithVertices(
+        (scale * (cage_.vertices().colwise() - kCentre)).colwise() + (kCentre + shift));
+    Points3d fitted;
+    const auto summary = Fitter::Create(moved, normalization_, FitOptions())
+                             ->Fit(UserCloud(0), {moved.vertices()}, nullptr, nullptr, &fitted);
+    ASSERT_TRUE(summary.ok()) << summary.status();
+    EXPECT_LT(LargestError(fitted), 0.02) << scale;
+  }
 }
 
 TEST_F(FitterTest, IsAPureFunctionOfItsArguments) {
