@@ -94,6 +94,7 @@ TEST_F(FitterTest, TheCeresSolverAgrees) {
   options.solver.max_iterations = 1000;
   options.solver.first_stiffness = 1;
   options.distance.radius = 0.1 * kUserScale;
+  options.arap.weight = 0.05;
   FitOptions ceres_options = options;
   ceres_options.solver.solver = Solver::kCeres;
   Points3d fitted;
