@@ -25,6 +25,15 @@ class FitterTest : public ::testing::Test {
   Fitter MakeFitter(const FitOptions& options = {}) {
     return *Fitter::Create(cage_, normalization_, options);
   }
+  // Largest |(x/a)^2 + (y/b)^2 + (z/c)^2 - 1| on the limit surface, 0 where it is the target.
+  double EllipsoidError(const Points3d& V) const {
+    Points3d Q;
+    ApplyStencils(BuildLimitMesh(cage_.topology(), cage_.tags(), 2).position, V, &Q);
+    const Eigen::Array3Xd unit =
+        ((Q.colwise() - Eigen::Vector3d(10, 20, 30)) / kUserScale).array().colwise() /
+        Eigen::Array3d(0.5, 0.4, 0.3);
+    return (unit.square().colwise().sum() - 1).abs().maxCoeff();
+  }
 
   ControlMesh cage_ = testing::SphereCage(0, 1);
   Normalization normalization_;
@@ -36,13 +45,20 @@ TEST_F(FitterTest, LimitSurfaceReachesTheTarget) {
   const auto summary = fitter.Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_TRUE(summary->converged);
-  Points3d Q;
-  ApplyStencils(BuildLimitMesh(cage_.topology(), cage_.tags(), 2).position, fitted, &Q);
-  // (x/a)^2 + (y/b)^2 + (z/c)^2 = 1 on the ellipsoid.
-  const Eigen::Array3Xd unit =
-      ((Q.colwise() - Eigen::Vector3d(10, 20, 30)) / kUserScale).array().colwise() /
-      Eigen::Array3d(0.5, 0.4, 0.3);
-  EXPECT_LT((unit.square().colwise().sum() - 1).abs().maxCoeff(), 0.02);
+  EXPECT_LT(EllipsoidError(fitted), 0.02);
+}
+
+TEST_F(FitterTest, EverySamplingReachesTheTarget) {
+  for (const Sampling sampling : {Sampling::kControlVertices, Sampling::kArea}) {
+    FitOptions options;
+    options.distance.sampling = sampling;
+    Fitter fitter = MakeFitter(options);
+    Points3d fitted;
+    const auto summary = fitter.Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
+    ASSERT_TRUE(summary.ok()) << summary.status();
+    EXPECT_TRUE(summary->converged);
+    EXPECT_LT(EllipsoidError(fitted), 0.02) << static_cast<int>(sampling);
+  }
 }
 
 TEST_F(FitterTest, IsAPureFunctionOfItsArguments) {
