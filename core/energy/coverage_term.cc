@@ -11,19 +11,17 @@ namespace {
 
 constexpr int64_t kGrain = 256;  // points a chunk
 
-// Of the longest edge of a control triangle. Along the normal a foot that is off by e changes the
-// distance by the surface's curvature times e^2 / 2: a thousandth of the sagitta of a triangle.
-constexpr double kFootTolerance = 1e-2;
-// A foot is sought again when it has moved farther than this.
-constexpr double kStayTolerance = 0.04;
+// A foot is sought again when it has moved by this many tolerances.
+constexpr double kStay = 4;
 
 }  // namespace
 
-CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags)
-    : surface_(topology, tags),
+CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance)
+    : foot_tolerance_(foot_tolerance),
+      surface_(topology, tags),
       m1_(RefineOnce(topology, tags).topology),
       stencils_(BuildLimitMesh(topology, tags, 1).position),
-      projector_(&surface_, tags, kFootTolerance),
+      projector_(&surface_, tags, foot_tolerance),
       refinement_transposed_(surface_.refinement().transpose()) {}
 
 void CoverageTerm::SetTarget(const PointCloud* target, int64_t points, double weight,
@@ -93,7 +91,7 @@ bool CoverageTerm::Stays(int64_t k, const Chunk& chunk) {
   const double distance = foot.direction.dot(offset);
   const auto corners = surface_.topology().triangles().col(foot.at.face);
   const double edge = (control_points.col(corners(1)) - control_points.col(corners(0))).norm();
-  if ((offset - distance * foot.direction).norm() > kStayTolerance * edge) return false;
+  if ((offset - distance * foot.direction).norm() > kStay * foot_tolerance_ * edge) return false;
   foot.residual = distance;
   return true;
 }

@@ -42,7 +42,10 @@ namespace cagefit {
 // Not thread-safe. Structure is built once; buffers keep their capacity.
 class CoverageTerm {
  public:
-  CoverageTerm(const Topology& topology, const CreaseTags& tags);
+  // Feet are sought to within `foot_tolerance`, relative to the longest edge of their control
+  // triangle, and again when they have moved four times as far. Along the normal a foot that is off
+  // by e changes the distance by the surface's curvature times e^2 / 2.
+  CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance = 1e-5);
   CoverageTerm(const CoverageTerm&) = delete;
 
   // Copies at most `points` points of `target` (with normals), evenly spread over their order.
@@ -113,6 +116,7 @@ class CoverageTerm {
   double Energy(Foot* foot) const;
   double PointWeight() const;  // gamma n/K, K the points of the last Assign
 
+  const double foot_tolerance_;
   LimitSurface surface_;
   Topology m1_;
   StencilMatrix stencils_;

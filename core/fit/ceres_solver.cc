@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status.h"
 #include "core/fit/ceres_costs.h"
 
 namespace cagefit {
@@ -81,42 +83,97 @@ std::unique_ptr<ceres::Problem> BuildProblem(const Objective& objective, Points3
   return problem;
 }
 
+// Minimises under held radii and branches.
+class HeldMinimizer {
+ public:
+  HeldMinimizer(const SolverOptions& options, const CancelFn& cancelled, Objective* objective)
+      : options_(options), cancelled_(cancelled), callback_(cancelled), objective_(objective) {
+    // Conjugate gradients beat the sparse Cholesky by a factor of twenty at 2,000 control vertices.
+    ceres_.linear_solver_type = ceres::CGNR;
+    ceres_.preconditioner_type = ceres::JACOBI;
+    ceres_.max_linear_solver_iterations = 500;
+    ceres_.function_tolerance = options.relative_decrease;
+    ceres_.logging_type = ceres::SILENT;
+    ceres_.callbacks.push_back(&callback_);
+  }
+
+  // From *V, where `energies` are those of the last choice; replaces both and adds to *iterations.
+  absl::Status Minimize(Points3d* V, Energies* energies, int* iterations) {
+    const bool covers = objective_->coverage() != nullptr && objective_->coverage()->is_on();
+    if (covers) return FollowFeet(V, energies, iterations);
+    RETURN_IF_ERROR(Solve(options_.max_iterations - *iterations, V, iterations));
+    *energies = objective_->Evaluate(*V, &half_gradient_);
+    return absl::OkStatus();
+  }
+
+ private:
+  // The first is Ceres' own. Small steps in a row end the search: a single one may be small because
+  // of its trust region.
+  static constexpr double kFirstTrustRegion = 1e4, kMostTrustRegion = 1e8;
+  static constexpr int kSmallSteps = 3;
+
+  // Held feet let the surface slide along itself for nothing, and their minimum may be far from any
+  // of the distance. So they follow each step, and what counts is the energy after that.
+  absl::Status FollowFeet(Points3d* V, Energies* energies, int* iterations) {
+    double trust_region = kFirstTrustRegion;
+    for (int small = 0; *iterations < options_.max_iterations && small < kSmallSteps;) {
+      const Points3d before = *V;
+      ceres_.initial_trust_region_radius = trust_region;
+      RETURN_IF_ERROR(Solve(1, V, iterations));
+      const double promised = energies->total() - objective_->Evaluate(*V, &half_gradient_).total();
+      const Energies tried = objective_->AssignFeet(*V, &half_gradient_);
+      const double decrease = energies->total() - tried.total();
+      const bool accepted = decrease > 0;
+      const double gain = accepted ? decrease : promised;
+      small = gain <= options_.relative_decrease * energies->total() ? small + 1 : 0;
+      if (decrease > 0.5 * promised) {
+        trust_region = std::min(kMostTrustRegion, 3 * trust_region);
+      } else if (decrease < 0.25 * promised) {
+        trust_region /= 4;
+      }
+      if (!accepted) *V = before;
+      *energies = accepted ? tried : objective_->AssignFeet(*V, &half_gradient_);
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Solve(int max_iterations, Points3d* V, int* iterations) {
+    // The rows of coverage are others after each choice of feet.
+    const std::unique_ptr<ceres::Problem> problem = BuildProblem(*objective_, V);
+    ceres_.max_num_iterations = max_iterations;
+    ceres::Solver::Summary summary;
+    ceres::Solve(ceres_, problem.get(), &summary);
+    if (IsCancelled(cancelled_)) return absl::CancelledError("fit: cancelled");
+    if (!summary.IsSolutionUsable()) {
+      return absl::InternalError(absl::StrCat("fit: diverged, ", summary.message));
+    }
+    // Iteration 0 is the evaluation of the start.
+    *iterations += std::max<int>(1, static_cast<int>(summary.iterations.size()) - 1);
+    return absl::OkStatus();
+  }
+
+  const SolverOptions& options_;
+  const CancelFn& cancelled_;
+  CancelCallback callback_;
+  ceres::Solver::Options ceres_;
+  Objective* objective_;
+  Points3d half_gradient_;  // not read
+};
+
 }  // namespace
 
 absl::StatusOr<Minimization> MinimizeCeres(const SolverOptions& options, const CancelFn& cancelled,
                                            Objective* objective, Points3d* V) {
   Minimization out;
   Points3d half_gradient;
-  Energies energies = objective->Assign(*V, &half_gradient);
-  out.initial = out.final = energies;
-  CancelCallback cancel(cancelled);
-  ceres::Solver::Options ceres_options;
-  // Conjugate gradients beat the sparse Cholesky by a factor of twenty at 2,000 control vertices.
-  ceres_options.linear_solver_type = ceres::CGNR;
-  ceres_options.preconditioner_type = ceres::JACOBI;
-  ceres_options.max_linear_solver_iterations = 500;
-  ceres_options.function_tolerance = options.relative_decrease;
-  ceres_options.logging_type = ceres::SILENT;
-  ceres_options.callbacks.push_back(&cancel);
+  out.initial = out.final = objective->Assign(*V, &half_gradient);
+  HeldMinimizer minimizer(options, cancelled, objective);
   while (out.iterations < options.max_iterations && !out.converged) {
     if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
-    ceres_options.max_num_iterations = options.max_iterations - out.iterations;
-    // The rows of coverage are others after each choice of feet.
-    const std::unique_ptr<ceres::Problem> problem = BuildProblem(*objective, V);
-    ceres::Solver::Summary summary;
-    ceres::Solve(ceres_options, problem.get(), &summary);
-    if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
-    if (!summary.IsSolutionUsable()) {
-      return absl::InternalError(absl::StrCat("fit: diverged, ", summary.message));
-    }
-    // Iteration 0 is the evaluation of the start.
-    out.iterations += std::max<int>(1, static_cast<int>(summary.iterations.size()) - 1);
-    const Energies before = energies;
-    objective->Evaluate(*V, &half_gradient);
-    energies = objective->Assign(*V, &half_gradient);
-    out.converged =
-        std::abs(before.total() - energies.total()) <= options.relative_decrease * before.total();
-    out.final = energies;
+    const double before = out.final.total();
+    RETURN_IF_ERROR(minimizer.Minimize(V, &out.final, &out.iterations));
+    out.final = objective->Assign(*V, &half_gradient);
+    out.converged = std::abs(before - out.final.total()) <= options.relative_decrease * before;
   }
   return out;
 }

@@ -11,7 +11,8 @@
 namespace cagefit {
 
 // As MinimizeGaussNewton, but radius and branch are chosen anew only when Ceres has converged under
-// the choice before; `iterations` counts Ceres' steps.
+// the choice before. The feet of covered points follow each step; one that lowers the energy under
+// the old feet only is taken back. `iterations` counts Ceres' steps.
 absl::StatusOr<Minimization> MinimizeCeres(const SolverOptions& options, const CancelFn& cancelled,
                                            Objective* objective, Points3d* V);
 

@@ -37,6 +37,11 @@ absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
   return absl::OkStatus();
 }
 
+// Loose feet blur the energy by less than what ends the solver.
+double FootTolerance(const SolverOptions& options) {
+  return std::clamp(options.relative_decrease, 1e-5, 1e-2);
+}
+
 }  // namespace
 
 struct Fitter::State {
@@ -48,7 +53,8 @@ struct Fitter::State {
         rest(normalization.ToUnit(mesh.vertices())),
         objective(mesh.topology(), std::move(samples), 0,
                   options.coverage.weight > 0
-                      ? std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags())
+                      ? std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags(),
+                                                       FootTolerance(options.solver))
                       : nullptr),
         system(objective) {
     objective.SetRest(rest);

@@ -80,6 +80,13 @@ Energies Objective::AssignSamples(const Points3d& V, Points3d* half_gradient) {
   return Reevaluate(V, half_gradient);
 }
 
+Energies Objective::AssignFeet(const Points3d& V, Points3d* half_gradient) {
+  ApplyStencils(S_, V, &Q_);
+  distance_energy_ = distance_.Evaluate(Q_, &residuals_);
+  coverage_energy_ = coverage_ != nullptr ? coverage_->Assign(V) : 0;
+  return Reevaluate(V, half_gradient);
+}
+
 Energies Objective::Evaluate(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Evaluate(Q_, &residuals_);

@@ -54,6 +54,9 @@ class Objective {
   // As Assign at any V, but with the feet of the last Assign.
   Energies AssignSamples(const Points3d& V, Points3d* half_gradient);
 
+  // As Assign at any V, but with the radii and branches of the last Assign.
+  Energies AssignFeet(const Points3d& V, Points3d* half_gradient);
+
   // Energies at V with the choices of the last Assign, and half their gradient (3 x n).
   Energies Evaluate(const Points3d& V, Points3d* half_gradient);
 

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace cagefit {
 namespace {
@@ -40,17 +42,54 @@ PointCloud UnevenSphere(int64_t count, unsigned seed) {
   return cloud;
 }
 
+// Beside a sphere of radius 0.4: two of three within 0.05, the others within `margin`.
+Points3d AroundTheSphere(int64_t count, double margin) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Points3d Q(3, count);
+  for (int64_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d n =
+        Eigen::Vector3d(uniform(random), uniform(random), uniform(random)).normalized();
+    Q.col(i) = n * (0.4 + (i % 3 == 0 ? margin : std::min(margin, 0.05)) * uniform(random));
+  }
+  return Q;
+}
+
 class DistanceTermTest : public ::testing::Test {
  protected:
-  void Use(PointCloud cloud, double radius, double far_radius) {
+  void Use(PointCloud cloud, double radius, double far_radius, Field field = Field::kImls,
+           const RobustKernel& kernel = {}) {
     cloud_ = std::move(cloud);
     ASSERT_TRUE(index_.Build(cloud_, radius, 2).ok());
-    term_.SetTarget(&index_, far_radius, 10);
+    term_.SetTarget(&index_, far_radius, 10, field, kernel);
   }
 
   double EnergyAt(const Eigen::Vector3d& x) {
     residuals_.clear();
     return term_.Assign(x, &residuals_);
+  }
+
+  // Assigns samples in every branch.
+  void AssignEverywhere(const Points3d& Q) {
+    residuals_.clear();
+    term_.Assign(Q, &residuals_);
+    ASSERT_GT(term_.grown_samples(), Q.cols() / 12);
+    ASSERT_GT(term_.far_samples(), Q.cols() / 12);
+    ASSERT_LT(term_.grown_samples() + term_.far_samples(), Q.cols() * 11 / 12);
+  }
+
+  // Of sample i, at x, under what Assign chose.
+  void ExpectExactGradients(int64_t i, const Eigen::Vector3d& x) {
+    const SampleResiduals r = term_.EvaluateSample(i, x);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double step = 1e-6;
+      const Eigen::Vector3d e = step * Eigen::Vector3d::Unit(axis);
+      const SampleResiduals ahead = term_.EvaluateSample(i, x + e);
+      const SampleResiduals behind = term_.EvaluateSample(i, x - e);
+      EXPECT_NEAR(r.grad_f[axis], (ahead.f - behind.f) / (2 * step), 1e-6) << "sample " << i;
+      EXPECT_NEAR(r.grad_beyond[axis], (ahead.beyond - behind.beyond) / (2 * step), 1e-6)
+          << "sample " << i;
+    }
   }
 
   PointCloud cloud_;
@@ -67,29 +106,79 @@ TEST_F(DistanceTermTest, WeighsSamplesByControlVerticesOverSamples) {
 }
 
 TEST_F(DistanceTermTest, GradientsAgreeWithFiniteDifferencesInEveryBranch) {
-  Use(UnevenSphere(20000, 1), 0.02, 0.06);
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  Points3d Q(3, 600);
-  for (int64_t i = 0; i < Q.cols(); ++i) {
-    const Eigen::Vector3d n =
-        Eigen::Vector3d(uniform(random), uniform(random), uniform(random)).normalized();
-    Q.col(i) = n * (0.4 + (i % 3 == 0 ? 0.3 : 0.05) * uniform(random));
+  for (const Field field : {Field::kImls, Field::kRimls}) {
+    Use(UnevenSphere(20000, 1), 0.02, 0.06, field);
+    const Points3d Q = AroundTheSphere(600, 0.3);
+    AssignEverywhere(Q);
+    for (int64_t i = 0; i < Q.cols(); ++i) ExpectExactGradients(i, Q.col(i));
   }
-  term_.Assign(Q, &residuals_);
-  ASSERT_GT(term_.grown_samples(), 50);
-  ASSERT_GT(term_.far_samples(), 50);
-  ASSERT_LT(term_.grown_samples() + term_.far_samples(), 550);
-  for (int64_t i = 0; i < Q.cols(); ++i) {
-    const SampleResiduals r = term_.EvaluateSample(i, Q.col(i));
-    for (int axis = 0; axis < 3; ++axis) {
-      const double step = 1e-6;
-      const Eigen::Vector3d e = step * Eigen::Vector3d::Unit(axis);
-      const SampleResiduals ahead = term_.EvaluateSample(i, Q.col(i) + e);
-      const SampleResiduals behind = term_.EvaluateSample(i, Q.col(i) - e);
-      EXPECT_NEAR(r.grad_f[axis], (ahead.f - behind.f) / (2 * step), 1e-6) << "sample " << i;
-      EXPECT_NEAR(r.grad_beyond[axis], (ahead.beyond - behind.beyond) / (2 * step), 1e-6)
-          << "sample " << i;
+}
+
+TEST_F(DistanceTermTest, GradientsAgreeWithFiniteDifferencesInACoarseProblem) {
+  for (const double factor : {2.0, 4.0}) {
+    Use(UnevenSphere(20000, 1), 0.01, 0.03);
+    term_.SetCoarseness(factor, 1);
+    const Points3d Q = AroundTheSphere(400, 0.3);
+    AssignEverywhere(Q);
+    double farthest = 0;
+    for (int64_t i = 0; i < Q.cols(); ++i) {
+      ExpectExactGradients(i, Q.col(i));
+      if (residuals_[i].support > 0) farthest = std::max(farthest, std::abs(residuals_[i].f));
+    }
+    EXPECT_GT(farthest, 0.015 * factor);  // the far radius is larger, too
+    EXPECT_LT(farthest, 0.03 * factor * 1.1);
+  }
+}
+
+// Steps lead samples to where they would be far.
+TEST_F(DistanceTermTest, GradientsAgreeWithFiniteDifferencesInAHeldFieldBeyondTheFarRadius) {
+  for (const Field field : {Field::kImls, Field::kRimls}) {
+    Use(UnevenSphere(20000, 1), 0.2, 0.05, field);
+    const Points3d Q = AroundTheSphere(100, 0.03);
+    residuals_.clear();
+    term_.Assign(Q, &residuals_);
+    ASSERT_EQ(term_.far_samples(), 0);
+    for (int64_t i = 0; i < Q.cols(); ++i) {
+      const Eigen::Vector3d x = 0.5 * Q.col(i).normalized();
+      const SampleResiduals r = term_.EvaluateSample(i, x);
+      EXPECT_GT(r.support, 0);
+      EXPECT_NEAR(r.beyond, 0.05, 0.01);
+      ExpectExactGradients(i, x);
+    }
+  }
+}
+
+// dE/dQ_i = 2 n/m (rho' f grad f + beyond grad beyond).
+TEST_F(DistanceTermTest, GradientOfTheEnergyAgreesWithFiniteDifferencesUnderEveryKernel) {
+  const PointCloud cloud = UnevenSphere(20000, 1);
+  for (const Kernel kernel :
+       {Kernel::kIdentity, Kernel::kHuber, Kernel::kGemanMcClure, Kernel::kTukey}) {
+    for (const double kernel_factor : {1.0, 3.0}) {
+      Use(cloud, 0.02, 0.06, Field::kImls, {kernel, 0.02});
+      term_.SetCoarseness(1, kernel_factor);
+      EXPECT_DOUBLE_EQ(term_.kernel().scale, 0.02 * kernel_factor);
+      Points3d Q = AroundTheSphere(60, 0.15);
+      AssignEverywhere(Q);
+      term_.Evaluate(Q, &residuals_);
+      std::vector<Eigen::Vector3d> gradient;
+      double scale = 0;
+      for (const SampleResiduals& r : residuals_) {
+        gradient.push_back(2 * term_.weight() *
+                           (r.weight * r.f * r.grad_f + r.beyond * r.grad_beyond));
+        scale = std::max(scale, gradient.back().norm());
+      }
+      for (int64_t i = 0; i < Q.cols(); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+          const double step = 1e-6, at = Q(axis, i);
+          Q(axis, i) = at + step;
+          const double ahead = term_.Evaluate(Q, &residuals_);
+          Q(axis, i) = at - step;
+          const double behind = term_.Evaluate(Q, &residuals_);
+          Q(axis, i) = at;
+          EXPECT_NEAR(gradient[i][axis], (ahead - behind) / (2 * step), 1e-6 * scale)
+              << "sample " << i << ", kernel " << static_cast<int>(kernel);
+        }
+      }
     }
   }
 }

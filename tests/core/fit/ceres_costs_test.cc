@@ -53,6 +53,20 @@ TEST(CeresCostsTest, SampleJacobianAgreesWithFiniteDifferences) {
   }
 }
 
+TEST(CeresCostsTest, CoverageJacobianAgreesWithFiniteDifferencesUnderEveryKernel) {
+  CoverageTerm::Row row;
+  row.direction = Eigen::Vector3d(1, -2, 2) / 3;
+  row.target = Eigen::Vector3d(0.3, 0.1, -0.2);
+  row.scale = 0.7;
+  const std::vector<Eigen::Vector3d> x = {{0.1, 0.2, 0.3}, {-0.4, 0.5, 0.1}, {0.3, -0.1, 0.2}};
+  for (const Kernel kernel :
+       {Kernel::kIdentity, Kernel::kHuber, Kernel::kGemanMcClure, Kernel::kTukey}) {
+    for (const double scale : {0.05, 0.2, 10.0}) {
+      CheckJacobian(CoverageCost(row, {kernel, scale}, {0.2, 0.3, 0.5}), x, 1e-6);
+    }
+  }
+}
+
 TEST(CeresCostsTest, ArapJacobianAgreesWithFiniteDifferencesAtTheRestShape) {
   // At zero residual the first-order rotation is exact; elsewhere the Jacobian is that of Gauss and
   // Newton.

@@ -3,6 +3,7 @@
 #define CAGEFIT_TESTS_CORE_FIT_FIT_FIXTURE_H_
 
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "core/cloud/target_index.h"
@@ -34,20 +35,33 @@ inline ControlMesh SphereCage(int levels, double radius) {
   return *ControlMesh::Create(std::move(mesh.vertices), std::move(mesh.triangles));
 }
 
-// Objective over an icosphere cage against an ellipsoid, unit coordinates, fixed radius.
+// Objective over a cage, an icosphere unless given, against a cloud, an ellipsoid's unless given;
+// unit coordinates, fixed radius.
 struct FitProblem {
-  explicit FitProblem(double arap_weight, double radius = 0.08)
-      : cage(SphereCage(2, 0.45)),
-        cloud(EllipsoidCloud(8000, {0.5, 0.4, 0.3})),
+  explicit FitProblem(double arap_weight, double radius = 0.08, double coverage_weight = 0)
+      : FitProblem(SphereCage(2, 0.45), EllipsoidCloud(8000, {0.5, 0.4, 0.3}), arap_weight, radius,
+                   coverage_weight) {}
+  FitProblem(const ControlMesh& start, PointCloud target_cloud, double arap_weight, double radius,
+             double coverage_weight)
+      : cage(start),
+        cloud(std::move(target_cloud)),
         objective(cage.topology(), BuildLimitMesh(cage.topology(), cage.tags(), 1).position,
-                  arap_weight) {
+                  arap_weight,
+                  coverage_weight > 0 ? std::make_unique<CoverageTerm>(cage.topology(), cage.tags())
+                                      : nullptr) {
     (void)index.Build(cloud, radius, 2);
-    objective.SetTarget(&index, 3 * radius);
+    target.index = &index;
+    target.far_radius = 3 * radius;
+    target.cloud = &cloud;
+    target.coverage_points = 8000;
+    target.coverage_weight = coverage_weight;
+    objective.SetTarget(target);
     objective.SetRest(cage.vertices());
   }
   ControlMesh cage;
   PointCloud cloud;
   TargetIndex index;
+  ObjectiveTarget target;
   Objective objective;
 };
 
