@@ -17,6 +17,8 @@ constexpr int kSideRings = 3;             // triangles away from the edge that m
 constexpr double kContinuesCosine = 0.5;  // between a crease and the weaker edge that continues it
 constexpr double kCornerCosine = 0.643;   // cos 50 degrees
 constexpr double kLeastSpur = 0.02;       // of a dangling end, in diagonals
+constexpr double kLeastParallel = 0.2;    // of one that runs beside another crease
+constexpr double kBesideCosine = 0.866;   // of creases that meet, for one to run beside the other
 constexpr double kLeastLength = 0.1;      // of a connected set of creases, in diagonals
 // A set of creases is a part's when it has few loose ends and kinks for its length (in diagonals),
 // and turns little from edge to edge in between.
@@ -160,7 +162,16 @@ class Detector {
     return degree;
   }
 
-  // A spur runs from a dangling end to a branch.
+  // Whether crease e comes to v alongside another crease.
+  bool RunsBeside(int32_t e, int32_t v) const {
+    for (const int32_t d : topology_.RingEdges(v)) {
+      if (d != e && crease_[d] && Straightness(e, d, v) < -kBesideCosine) return true;
+    }
+    return false;
+  }
+
+  // A spur runs from a dangling end to a branch. Long ones go where they run beside the crease that
+  // they meet: thin triangles along an edge have two sides that are as sharp.
   void DropSpurs() {
     for (int32_t v = 0; v < topology_.vertex_count(); ++v) {
       if (Degree(v) != 1 || topology_.IsBoundaryVertex(v)) continue;
@@ -175,8 +186,12 @@ class Detector {
         }
         length += Length(spur.back());
         at = Other(spur.back(), at);
-      } while (Degree(at) == 2 && length < kLeastSpur * diagonal_);
-      if (length >= kLeastSpur * diagonal_ || Degree(at) < 3) continue;
+      } while (Degree(at) == 2 && length < kLeastParallel * diagonal_);
+      if (Degree(at) < 3) continue;
+      if (length >= kLeastSpur * diagonal_ &&
+          (length >= kLeastParallel * diagonal_ || !RunsBeside(spur.back(), at))) {
+        continue;
+      }
       for (const int32_t e : spur) crease_[e] = 0;
     }
   }
