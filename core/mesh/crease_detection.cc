@@ -16,6 +16,7 @@ constexpr double kUsualMultiple = 3;      // of the lower quartile of the angles
 constexpr int kSideRings = 3;             // triangles away from the edge that make up its sides
 constexpr double kContinuesCosine = 0.5;  // between a crease and the weaker edge that continues it
 constexpr double kCornerCosine = 0.643;   // cos 50 degrees
+constexpr double kCapHeight = 0.15;       // of a cap, in longest sides
 constexpr double kLeastSpur = 0.02;       // of a dangling end, in diagonals
 constexpr double kLeastParallel = 0.2;    // of one that runs beside another crease
 constexpr double kBesideCosine = 0.866;   // of creases that meet, for one to run beside the other
@@ -49,6 +50,7 @@ class Detector {
   CreaseTags Run(CreaseEffort effort) {
     FindStrong();
     Continue();
+    DropLongSidesOfCaps();
     DropSpurs();
     Shape all;
     for (int32_t v = 0; v < topology_.vertex_count(); ++v) AddVertex(v, &all);
@@ -152,6 +154,23 @@ class Detector {
           crease_[d] = 1;
           open.push_back(d);
         }
+      }
+    }
+  }
+
+  // A cap that lies along an edge has three sharp sides, of which two lead around the third.
+  void DropLongSidesOfCaps() {
+    for (int32_t f = 0; f < topology_.triangle_count(); ++f) {
+      int32_t longest = topology_.triangle_edge(f, 0);
+      bool all = true;
+      for (int c = 0; c < 3; ++c) {
+        const int32_t e = topology_.triangle_edge(f, c);
+        all = all && crease_[e];
+        if (Length(e) > Length(longest)) longest = e;
+      }
+      // Height over the longest side.
+      if (all && normals_.col(f).norm() < kCapHeight * Length(longest) * Length(longest)) {
+        crease_[longest] = 0;
       }
     }
   }

@@ -14,6 +14,7 @@
 #include "core/base/parallel.h"
 #include "core/cloud/cell_grid.h"
 #include "core/cloud/kd_tree.h"
+#include "core/cloud/noise.h"
 #include "core/cloud/outliers.h"
 #include "core/cloud/spacing.h"
 #include "core/mesh/topology.h"
@@ -26,15 +27,17 @@ namespace {
 
 constexpr double kGridSpacings = 8;  // cell of the grid in which outliers are looked for
 constexpr int kTrimRounds = 20;      // of smoothing: some four cells far
+constexpr double kTrimLevel = 0.6;   // of the reach: smoothing spreads what lies beyond inwards
 constexpr double kMostReaches = 3;   // beyond, one distance counts as much as another
 constexpr int kLeastDepth = 5, kMostDepth = 10;
 constexpr int kBoundaryRounds = 3;
 constexpr int64_t kGrain = 1024;
 
 PointCloud WithoutOutliers(const PointCloud& cloud, double spacing) {
+  PointCloud clean = cloud;
+  if (!(spacing > 0)) return clean;
   CellGrid grid;
   grid.Build(cloud, kGridSpacings * spacing);
-  PointCloud clean = cloud;
   RemovePoints(FindOutliers(grid), &clean);
   return clean;
 }
@@ -170,6 +173,20 @@ void SmoothBoundary(TriangleMesh* mesh) {
   }
 }
 
+// Depth of the octree. Its cells are half as wide as the points are apart, so that folds keep their
+// two sides; no finer than the noise, which would grow bubbles; and no finer than a few per control
+// edge.
+int Depth(const PointCloud& cloud, double spacing, double longest, int32_t control_vertices) {
+  CellGrid grid;
+  grid.Build(cloud, kGridSpacings * spacing);
+  const double noise = EstimateNoise(grid).sigma;
+  const double by_points = std::log2(2 * longest / spacing);
+  const double by_noise = std::log2(longest / std::max(noise, 1e-30));
+  const double by_vertices = std::log2(4.2 * std::sqrt(static_cast<double>(control_vertices)));
+  const double depth = std::min({by_points, by_noise, by_vertices});
+  return std::clamp(static_cast<int>(std::lround(depth)), kLeastDepth, kMostDepth);
+}
+
 }  // namespace
 
 absl::StatusOr<TriangleMesh> ReconstructPoisson(const PointCloud& cloud, int32_t control_vertices) {
@@ -182,12 +199,7 @@ absl::StatusOr<TriangleMesh> ReconstructPoisson(const PointCloud& cloud, int32_t
   if (!(spacing > 0) || !(longest > 0)) {
     return absl::FailedPreconditionError("template: most points of the cloud coincide");
   }
-  // Half as wide as the points are apart, so that folds keep their two sides; and no finer than
-  // some ten cells per control edge.
-  const double by_points = std::log2(2 * longest / spacing);
-  const double by_vertices = std::log2(6 * std::sqrt(static_cast<double>(control_vertices)));
-  const int depth = std::clamp(static_cast<int>(std::lround(std::min(by_points, by_vertices))),
-                               kLeastDepth, kMostDepth);
+  const int depth = Depth(clean, spacing, longest, control_vertices);
   absl::StatusOr<TriangleMesh> surface = RunPoisson(clean, depth);
   if (!surface.ok()) return surface.status();
 
@@ -195,7 +207,8 @@ absl::StatusOr<TriangleMesh> ReconstructPoisson(const PointCloud& cloud, int32_t
   const double reach = 2 * std::max(spacing, cell);
   RepairReport ignored;
   TriangleMesh mesh = MakeManifold(
-      CutBelow(*surface, SmoothDistance(*surface, tree, kMostReaches * reach), reach), &ignored);
+      CutBelow(*surface, SmoothDistance(*surface, tree, kMostReaches * reach), kTrimLevel * reach),
+      &ignored);
   if (mesh.triangles.cols() == 0) {
     return absl::FailedPreconditionError("template: trimming left nothing of the Poisson surface");
   }
