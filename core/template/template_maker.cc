@@ -11,6 +11,7 @@
 #include "core/mesh/crease_detection.h"
 #include "core/mesh/triangle_quality.h"
 #include "core/subdiv/limit.h"
+#include "core/template/carry_tags.h"
 #include "core/template/edge_split.h"
 #include "core/template/fine_surface.h"
 #include "core/template/mesh_relax.h"
@@ -66,11 +67,22 @@ absl::StatusOr<TaggedMesh> SplitEdges(const TaggedMesh& coarse) {
   return fine;
 }
 
-absl::StatusOr<CreaseTags> FindCreases(const TriangleMesh& mesh, std::optional<double> angle) {
+// Puts the creases of a repaired mesh into its tags: those given for `input`, or those found.
+absl::Status TagCreases(const TriangleMesh& input, const TemplateOptions& options,
+                        TaggedMesh* clean) {
+  const bool given = !options.tags.edges.empty() || !options.tags.corners.empty();
+  if (!given) FlipCaps(&clean->mesh);
+  const Points3d& V = clean->mesh.vertices;
   ASSIGN_OR_RETURN(const Topology topology,
-                   Topology::Create(static_cast<int32_t>(mesh.vertices.cols()), mesh.triangles));
-  return DetectCreases(mesh.vertices, topology, angle.value_or(kDefaultCreaseAngle),
-                       angle.has_value() ? CreaseEffort::kAlways : CreaseEffort::kOnParts);
+                   Topology::Create(static_cast<int32_t>(V.cols()), clean->mesh.triangles));
+  if (given) {
+    ASSIGN_OR_RETURN(clean->tags, CarryTags(options.tags, input.vertices, V, topology));
+  } else {
+    const std::optional<double>& angle = options.crease_angle;
+    clean->tags = DetectCreases(V, topology, angle.value_or(kDefaultCreaseAngle),
+                                angle.has_value() ? CreaseEffort::kAlways : CreaseEffort::kOnParts);
+  }
+  return absl::OkStatus();
 }
 
 // A manifold mesh with enough vertices to collapse to the count asked for, and its creases.
@@ -86,8 +98,7 @@ absl::StatusOr<TaggedMesh> Prepare(const TriangleMesh& mesh, const TemplateOptio
   }
   clean.mesh = KeepLargeComponents(clean.mesh, kComponentShare, &report->components_kept,
                                    &report->components_dropped);
-  FlipCaps(&clean.mesh);
-  ASSIGN_OR_RETURN(clean.tags, FindCreases(clean.mesh, options.crease_angle));
+  RETURN_IF_ERROR(TagCreases(mesh, options, &clean));
   while (clean.mesh.vertices.cols() < options.vertices) {
     ASSIGN_OR_RETURN(clean, SplitEdges(clean));
   }
@@ -224,6 +235,7 @@ absl::StatusOr<ControlMesh> TemplateFromCloud(const PointCloud& cloud,
   RETURN_IF_ERROR(ValidateTarget(cloud));
   ASSIGN_OR_RETURN(const TriangleMesh surface, ReconstructPoisson(cloud, options.vertices));
   TemplateOptions smooth = options;  // Poisson rounds every edge; what is sharp there is noise
+  smooth.tags = {};
   smooth.crease_angle = 0;
   absl::StatusOr<ControlMesh> cage = TemplateFromMesh(surface, smooth, report);
   report->input_vertices = cloud.size();
