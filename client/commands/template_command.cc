@@ -28,6 +28,7 @@ absl::StatusOr<ControlMesh> Make(const TemplateArguments& arguments, TemplateRep
   TemplateOptions options;
   options.vertices = arguments.vertices;
   if (arguments.crease_angle >= 0) options.crease_angle = arguments.crease_angle;
+  options.tags = geometry.tags;
   if (!geometry.is_cloud()) return TemplateFromMesh(geometry.mesh, options, report);
   PointCloud cloud = ToCloud(geometry);
   RETURN_IF_ERROR(ValidateTarget(cloud));

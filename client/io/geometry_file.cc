@@ -84,7 +84,10 @@ bool IsGeometryFile(const std::string& path) {
 }
 
 absl::StatusOr<Geometry> ReadGeometry(const std::string& path, const ReadLimits& limits) {
-  return ReadFile(path, limits, nullptr);
+  CreaseTags tags;
+  ASSIGN_OR_RETURN(Geometry geometry, ReadFile(path, limits, &tags));
+  geometry.tags = std::move(tags);
+  return geometry;
 }
 
 PointCloud ToCloud(const Geometry& geometry) {

@@ -19,6 +19,7 @@ struct Geometry {
   TriangleMesh mesh;     // triangles is 3 x 0 for a cloud
   Points3f normals;      // 3 x N per vertex, or 3 x 0 when the file has none
   int64_t polygons = 0;  // faces before they were cut
+  CreaseTags tags;       // creases and corners of the vertices, which only .obj has
 
   bool is_cloud() const { return mesh.triangles.cols() == 0; }
 };

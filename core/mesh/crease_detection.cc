@@ -16,7 +16,10 @@ constexpr double kUsualMultiple = 3;      // of the lower quartile of the angles
 constexpr int kSideRings = 3;             // triangles away from the edge that make up its sides
 constexpr double kContinuesCosine = 0.5;  // between a crease and the weaker edge that continues it
 constexpr double kCornerCosine = 0.643;   // cos 50 degrees
+constexpr double kCapHeight = 0.15;       // of a cap, in longest sides
 constexpr double kLeastSpur = 0.02;       // of a dangling end, in diagonals
+constexpr double kLeastParallel = 0.2;    // of one that runs beside another crease
+constexpr double kBesideCosine = 0.866;   // of creases that meet, for one to run beside the other
 constexpr double kLeastLength = 0.1;      // of a connected set of creases, in diagonals
 // A set of creases is a part's when it has few loose ends and kinks for its length (in diagonals),
 // and turns little from edge to edge in between.
@@ -47,6 +50,7 @@ class Detector {
   CreaseTags Run(CreaseEffort effort) {
     FindStrong();
     Continue();
+    DropLongSidesOfCaps();
     DropSpurs();
     Shape all;
     for (int32_t v = 0; v < topology_.vertex_count(); ++v) AddVertex(v, &all);
@@ -154,13 +158,39 @@ class Detector {
     }
   }
 
+  // A cap that lies along an edge has three sharp sides, of which two lead around the third.
+  void DropLongSidesOfCaps() {
+    for (int32_t f = 0; f < topology_.triangle_count(); ++f) {
+      int32_t longest = topology_.triangle_edge(f, 0);
+      bool all = true;
+      for (int c = 0; c < 3; ++c) {
+        const int32_t e = topology_.triangle_edge(f, c);
+        all = all && crease_[e];
+        if (Length(e) > Length(longest)) longest = e;
+      }
+      // Height over the longest side.
+      if (all && normals_.col(f).norm() < kCapHeight * Length(longest) * Length(longest)) {
+        crease_[longest] = 0;
+      }
+    }
+  }
+
   int Degree(int32_t v) const {
     int degree = 0;
     for (const int32_t e : topology_.RingEdges(v)) degree += crease_[e];
     return degree;
   }
 
-  // A spur runs from a dangling end to a branch.
+  // Whether crease e comes to v alongside another crease.
+  bool RunsBeside(int32_t e, int32_t v) const {
+    for (const int32_t d : topology_.RingEdges(v)) {
+      if (d != e && crease_[d] && Straightness(e, d, v) < -kBesideCosine) return true;
+    }
+    return false;
+  }
+
+  // A spur runs from a dangling end to a branch. Long ones go where they run beside the crease that
+  // they meet: thin triangles along an edge have two sides that are as sharp.
   void DropSpurs() {
     for (int32_t v = 0; v < topology_.vertex_count(); ++v) {
       if (Degree(v) != 1 || topology_.IsBoundaryVertex(v)) continue;
@@ -175,8 +205,12 @@ class Detector {
         }
         length += Length(spur.back());
         at = Other(spur.back(), at);
-      } while (Degree(at) == 2 && length < kLeastSpur * diagonal_);
-      if (length >= kLeastSpur * diagonal_ || Degree(at) < 3) continue;
+      } while (Degree(at) == 2 && length < kLeastParallel * diagonal_);
+      if (Degree(at) < 3) continue;
+      if (length >= kLeastSpur * diagonal_ &&
+          (length >= kLeastParallel * diagonal_ || !RunsBeside(spur.back(), at))) {
+        continue;
+      }
       for (const int32_t e : spur) crease_[e] = 0;
     }
   }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/mesh/topology.h"
 
@@ -13,8 +14,8 @@ namespace {
 // A flip may bend the surface by so much: cosine between the normals of the two triangles, before
 // and after.
 constexpr double kLeastFlipCosine = 0.9;
-constexpr double kLeastNeedleFlipCosine = 0.8;        // to the two triangles' mean normal
-constexpr double kPoorAngle = 0.2, kGoodAngle = 0.5;  // radians
+constexpr double kLeastNeedleFlipCosine = 0.8;  // to the two triangles' mean normal
+constexpr double kPoorAngle = 0.2, kThinAngle = 0.35, kGoodAngle = 0.5;  // radians
 constexpr double kWorthwhile =
     1.5;  // times the smallest angle, for the sake of which valences suffer
 constexpr int kMostValence = 9;
@@ -102,56 +103,117 @@ int FlipEdges(const CreaseTags& tags, TriangleMesh* mesh) {
   return flips;
 }
 
-// Whether v, an interior vertex, may move to `to`: no triangle of its ring turns over, and none
-// gets a smaller angle than the ring's smallest unless it keeps kGoodAngle.
-bool KeepsRing(const Points3d& V, absl::Span<const int32_t> ring, int32_t v,
-               const Eigen::Vector3d& to) {
+// Smallest angles around v where it is and where it would go.
+struct RingAngles {
+  double before = 4, after = 4;
+  bool turned = false;  // a triangle would turn over
+};
+
+RingAngles AnglesAround(const Points3d& V, const Topology& topology, int32_t v,
+                        const Eigen::Vector3d& to) {
+  const absl::Span<const int32_t> ring = topology.Ring(v);
   Points3d corners(3, 4);  // v, where it goes, and two of its ring
   corners.col(0) = V.col(v);
   corners.col(1) = to;
-  double before = 4, after = 4;
-  for (size_t k = 0; k < ring.size(); ++k) {
-    corners.col(2) = V.col(ring[k]);
-    corners.col(3) = V.col(ring[(k + 1) % ring.size()]);
+  RingAngles angles;
+  for (size_t k = topology.IsBoundaryVertex(v) ? 1 : 0; k < ring.size(); ++k) {
+    corners.col(2) = V.col(ring[(k + ring.size() - 1) % ring.size()]);
+    corners.col(3) = V.col(ring[k]);
     const Eigen::Vector3d n = Cross(corners, 0, 2, 3), m = Cross(corners, 1, 2, 3);
-    if (!(m.dot(n) > 0.5 * m.norm() * n.norm())) return false;
-    before = std::min(before, SmallestAngle(corners, 0, 2, 3));
-    after = std::min(after, SmallestAngle(corners, 1, 2, 3));
+    angles.turned = angles.turned || !(m.dot(n) > 0.5 * m.norm() * n.norm());
+    angles.before = std::min(angles.before, SmallestAngle(corners, 0, 2, 3));
+    angles.after = std::min(angles.after, SmallestAngle(corners, 1, 2, 3));
   }
-  return after >= std::min(before, kGoodAngle);
+  return angles;
 }
 
-void SlideVertices(const TriangleBvh& surface, const CreaseTags& tags, TriangleMesh* mesh) {
+// Neighbours of a vertex along boundaries and creases; more than two do not count.
+struct CurveNeighbors {
+  int count = 0;
+  int32_t ends[2] = {-1, -1};
+  void Add(int32_t v) {
+    if (count < 2) ends[count] = v;
+    ++count;
+  }
+};
+
+std::vector<CurveNeighbors> FindCurves(const Topology& topology, const CreaseTags& tags) {
+  std::vector<CurveNeighbors> curves(topology.vertex_count());
+  const auto add = [&](int32_t a, int32_t b) {
+    curves[a].Add(b);
+    curves[b].Add(a);
+  };
+  for (const auto& [a, b] : tags.edges) {
+    if (!topology.IsBoundaryEdge(topology.FindEdge(a, b))) add(a, b);
+  }
+  for (int32_t e = 0; e < topology.edge_count(); ++e) {
+    if (topology.IsBoundaryEdge(e)) add(topology.edge(e)[0], topology.edge(e)[1]);
+  }
+  return curves;
+}
+
+class Slider {
+ public:
+  Slider(const FineSurface& surface, const Topology& topology, TriangleMesh* mesh)
+      : surface_(surface),
+        topology_(topology),
+        normals_(VertexNormals(*mesh)),
+        V_(mesh->vertices) {}
+
+  // No triangle may turn over, and none gets a smaller angle than the ring's smallest unless it
+  // keeps kGoodAngle.
+  void AlongSurface(int32_t v) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    double ring_length = 0;
+    for (const int32_t n : topology_.Ring(v)) {
+      middle += V_.col(n);
+      ring_length = std::max(ring_length, (V_.col(n) - V_.col(v)).norm());
+    }
+    middle /= topology_.Valence(v);
+    Eigen::Vector3d move = kStep * (middle - V_.col(v));
+    move -= normals_.col(v).dot(move) * normals_.col(v);
+    const auto to = surface_.Nearest(V_.col(v) + move, ring_length);
+    if (!to.has_value()) return;
+    const RingAngles angles = AnglesAround(V_, topology_, v, *to);
+    if (!angles.turned && angles.after >= std::min(angles.before, kGoodAngle)) V_.col(v) = *to;
+  }
+
+  void AlongCurve(int32_t v, const CurveNeighbors& curve) {
+    const Eigen::Vector3d a = V_.col(curve.ends[0]), b = V_.col(curve.ends[1]);
+    const Eigen::Vector3d move = kStep * (0.5 * (a + b) - V_.col(v));
+    const auto to = surface_.NearestOnCurve(V_.col(v) + move, b - a, (b - a).norm());
+    if (!to.has_value()) return;
+    const RingAngles angles = AnglesAround(V_, topology_, v, *to);
+    if (!angles.turned && angles.before < kThinAngle && angles.after > angles.before) {
+      V_.col(v) = *to;
+    }
+  }
+
+ private:
+  const FineSurface& surface_;
+  const Topology& topology_;
+  const Points3d normals_;
+  Points3d& V_;
+};
+
+void SlideVertices(const FineSurface& surface, const CreaseTags& tags, TriangleMesh* mesh) {
   const absl::StatusOr<Topology> topology =
       Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
   if (!topology.ok()) return;
-  const Points3d normals = VertexNormals(*mesh);
-  const Points3d V = mesh->vertices;
-  std::vector<char> held(topology->vertex_count(), 0);
-  for (const auto& [a, b] : tags.edges) held[a] = held[b] = 1;
-  for (const int32_t v : tags.corners) held[v] = 1;
+  const std::vector<CurveNeighbors> curves = FindCurves(*topology, tags);
+  std::vector<char> corner(topology->vertex_count(), 0);
+  for (const int32_t v : tags.corners) corner[v] = 1;
+  Slider slider(surface, *topology, mesh);
   for (int32_t v = 0; v < topology->vertex_count(); ++v) {
-    if (held[v] || topology->IsBoundaryVertex(v)) continue;
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    double ring_length = 0;
-    for (const int32_t n : topology->Ring(v)) {
-      middle += V.col(n);
-      ring_length = std::max(ring_length, (V.col(n) - V.col(v)).norm());
-    }
-    middle /= topology->Valence(v);
-    Eigen::Vector3d move = kStep * (middle - V.col(v));
-    move -= normals.col(v).dot(move) * normals.col(v);
-    const ClosestPoint on_surface = surface.Closest(V.col(v) + move, ring_length);
-    if (on_surface.triangle < 0) continue;
-    if (KeepsRing(mesh->vertices, topology->Ring(v), v, on_surface.point)) {
-      mesh->vertices.col(v) = on_surface.point;
-    }
+    if (corner[v]) continue;
+    if (curves[v].count == 0) slider.AlongSurface(v);
+    if (curves[v].count == 2) slider.AlongCurve(v, curves[v]);
   }
 }
 
 }  // namespace
 
-void RelaxMesh(const TriangleBvh& surface, int rounds, TaggedMesh* tagged) {
+void RelaxMesh(const FineSurface& surface, int rounds, TaggedMesh* tagged) {
   for (int round = 0; round < rounds; ++round) {
     while (FlipEdges(tagged->tags, &tagged->mesh) > tagged->mesh.triangles.cols() / 200) {
     }

@@ -7,6 +7,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/mesh/topology.h"
+#include "core/mesh/triangle_quality.h"
+
 namespace cagefit {
 
 namespace {
@@ -91,7 +94,79 @@ std::vector<Eigen::Vector3i> EdgeManifoldTriangles(const TriangleMesh& mesh,
   return triangles;
 }
 
+constexpr int kCapPasses = 10;
+constexpr double kCapQuality = 0.15, kCapHeight = 1e-3;  // the latter in diagonals
+constexpr double kSameWay = 0.94;                        // cosine of 20 degrees
+
+double Quality(const Points3d& V, const Eigen::Vector3i& t) {
+  return TriangleQuality(V.col(t[0]), V.col(t[1]), V.col(t[2]));
+}
+
+// Half-edge of the longest side.
+int32_t LongestSide(const Points3d& V, const Topology& topology, int32_t f) {
+  const auto t = topology.triangles().col(f);
+  int longest = 0;
+  for (int c = 1; c < 3; ++c) {
+    const auto length = [&](int k) { return (V.col(t[(k + 1) % 3]) - V.col(t[k])).squaredNorm(); };
+    if (length(c) > length(longest)) longest = c;
+  }
+  return 3 * f + longest;
+}
+
+// Flips half-edge h = (a b) of the cap (a b c), with d across. Returns whether it did.
+bool FlipCap(const Topology& topology, int32_t h, double most_height, std::vector<char>* touched,
+             TriangleMesh* mesh) {
+  const Points3d& V = mesh->vertices;
+  const int32_t g = topology.opposite(h);
+  if (g == Topology::kNone) return false;
+  const auto at = [&](int32_t half_edge, int k) {
+    return topology.triangles()((half_edge + k) % 3, half_edge / 3);
+  };
+  const int32_t a = at(h, 0), b = at(h, 1), c = at(h, 2), d = at(g, 2);
+  for (const int32_t v : {a, b, c, d}) {
+    if ((*touched)[v]) return false;
+  }
+  const Eigen::Vector3i cap(a, b, c), across(b, a, d), first(a, d, c), second(d, b, c);
+  if (2 * Area(V, cap) > most_height * (V.col(b) - V.col(a)).norm()) return false;
+  for (const int32_t v : {a, b}) {
+    if (topology.Valence(v) <= (topology.IsBoundaryVertex(v) ? 2 : 3)) return false;
+  }
+  if (topology.FindEdge(c, d) != Topology::kNone) return false;
+  if (!(std::min(Quality(V, first), Quality(V, second)) >
+        std::min(Quality(V, cap), Quality(V, across)))) {
+    return false;
+  }
+  const auto cross = [&](const Eigen::Vector3i& t) -> Eigen::Vector3d {
+    return (V.col(t[1]) - V.col(t[0])).cross(V.col(t[2]) - V.col(t[0]));
+  };
+  const Eigen::Vector3d old = cross(across);
+  for (const Eigen::Vector3d& n : {cross(first), cross(second)}) {
+    if (!(n.dot(old) >= kSameWay * n.norm() * old.norm())) return false;
+  }
+  mesh->triangles.col(h / 3) = first;
+  mesh->triangles.col(g / 3) = second;
+  for (const int32_t v : {a, b, c, d}) (*touched)[v] = 1;
+  return true;
+}
+
 }  // namespace
+
+void FlipCaps(TriangleMesh* mesh) {
+  const double most_height = kCapHeight * BoundingBox(mesh->vertices).diagonal();
+  for (int pass = 0; pass < kCapPasses; ++pass) {
+    const auto topology =
+        Topology::Create(static_cast<int32_t>(mesh->vertices.cols()), mesh->triangles);
+    if (!topology.ok()) return;
+    std::vector<char> touched(mesh->vertices.cols(), 0);
+    bool any = false;
+    for (int32_t f = 0; f < topology->triangle_count(); ++f) {
+      if (Quality(mesh->vertices, topology->triangles().col(f)) >= kCapQuality) continue;
+      const int32_t h = LongestSide(mesh->vertices, *topology, f);
+      any = FlipCap(*topology, h, most_height, &touched, mesh) || any;
+    }
+    if (!any) return;
+  }
+}
 
 TriangleMesh MakeManifold(const TriangleMesh& mesh, RepairReport* report) {
   HalfEdges half_edges(mesh.vertices.cols(), mesh.triangles.cols());

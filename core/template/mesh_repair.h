@@ -25,6 +25,12 @@ TriangleMesh KeepLargeComponents(const TriangleMesh& mesh, double share, int* ke
 // The triangles of `mesh` for which keep[f] is set, unused vertices left out.
 TriangleMesh SelectTriangles(const TriangleMesh& mesh, const std::vector<char>& keep);
 
+// Flips the longest side of triangles so flat that their three corners lie on a line but for a
+// thousandth of the bounding box's diagonal, where that gives better triangles: the surface stays
+// where it is, and along a sharp edge it no longer has a second one beside. `mesh` must be
+// manifold.
+void FlipCaps(TriangleMesh* mesh);
+
 }  // namespace cagefit
 
 #endif  // CAGEFIT_CORE_TEMPLATE_MESH_REPAIR_H_

@@ -12,51 +12,34 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/parallel.h"
+#include "core/cloud/cell_grid.h"
 #include "core/cloud/kd_tree.h"
+#include "core/cloud/noise.h"
+#include "core/cloud/outliers.h"
 #include "core/cloud/spacing.h"
 #include "core/mesh/topology.h"
 #include "core/template/mesh_repair.h"
+#include "core/template/surface_cut.h"
 
 namespace cagefit {
 
 namespace {
 
-constexpr int kOutlierNeighbors = 20;
-constexpr double kOutlierDeviations = 3;  // of the mean neighbour distance
+constexpr double kGridSpacings = 8;  // cell of the grid in which outliers are looked for
+constexpr int kTrimRounds = 20;      // of smoothing: some four cells far
+constexpr double kTrimLevel = 0.6;   // of the reach: smoothing spreads what lies beyond inwards
+constexpr double kMostReaches = 3;   // beyond, one distance counts as much as another
 constexpr int kLeastDepth = 5, kMostDepth = 10;
 constexpr int kBoundaryRounds = 3;
 constexpr int64_t kGrain = 1024;
 
-PointCloud WithoutOutliers(const PointCloud& cloud) {
-  const KdTree tree(cloud.points);
-  std::vector<double> mean_distance(cloud.size());
-  const int k = static_cast<int>(std::min<int64_t>(kOutlierNeighbors, cloud.size()));
-  std::vector<int32_t> index(k);
-  std::vector<float> squared(k);
-  double sum = 0, squares = 0;
-  for (int64_t i = 0; i < cloud.size(); ++i) {
-    tree.Nearest(cloud.points.col(i), k, index.data(), squared.data());
-    double d = 0;
-    for (const float s : squared) d += std::sqrt(static_cast<double>(s));
-    mean_distance[i] = d / k;
-    sum += mean_distance[i];
-    squares += mean_distance[i] * mean_distance[i];
-  }
-  const double mean = sum / static_cast<double>(cloud.size());
-  const double deviation =
-      std::sqrt(std::max(0.0, squares / static_cast<double>(cloud.size()) - mean * mean));
-  PointCloud kept;
-  kept.points.resize(3, cloud.size());
-  kept.normals.resize(3, cloud.size());
-  int64_t count = 0;
-  for (int64_t i = 0; i < cloud.size(); ++i) {
-    if (mean_distance[i] > mean + kOutlierDeviations * deviation) continue;
-    kept.points.col(count) = cloud.points.col(i);
-    kept.normals.col(count++) = cloud.normals.col(i);
-  }
-  kept.points.conservativeResize(3, count);
-  kept.normals.conservativeResize(3, count);
-  return kept;
+PointCloud WithoutOutliers(const PointCloud& cloud, double spacing) {
+  PointCloud clean = cloud;
+  if (!(spacing > 0)) return clean;
+  CellGrid grid;
+  grid.Build(cloud, kGridSpacings * spacing);
+  RemovePoints(FindOutliers(grid), &clean);
+  return clean;
 }
 
 absl::StatusOr<TriangleMesh> RunPoisson(const PointCloud& cloud, int depth) try {
@@ -90,22 +73,33 @@ absl::StatusOr<TriangleMesh> RunPoisson(const PointCloud& cloud, int depth) try 
       absl::StrFormat("template: screened Poisson failed: %s", error.what()));
 }
 
-TriangleMesh Trim(const TriangleMesh& mesh, const KdTree& tree, double reach) {
-  std::vector<char> near(mesh.vertices.cols());
-  ParallelFor(mesh.vertices.cols(), kGrain, [&](int64_t begin, int64_t end) {
+// Distance of every vertex to the points, evened out over the surface so that its level lines run
+// smoothly along the rim of the points.
+Eigen::ArrayXd SmoothDistance(const TriangleMesh& mesh, const KdTree& tree, double most) {
+  const int64_t n = mesh.vertices.cols();
+  Eigen::ArrayXd distance(n);
+  ParallelFor(n, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t v = begin; v < end; ++v) {
       int32_t index = 0;
       float squared = 0;
       tree.Nearest(mesh.vertices.col(v).cast<float>(), 1, &index, &squared);
-      near[v] = squared <= reach * reach;
+      distance[v] = std::min(most, std::sqrt(static_cast<double>(squared)));
     }
   });
-  std::vector<char> keep(mesh.triangles.cols());
-  for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
-    keep[f] =
-        near[mesh.triangles(0, f)] && near[mesh.triangles(1, f)] && near[mesh.triangles(2, f)];
+  Eigen::ArrayXd sum(n), weight(n);
+  for (int round = 0; round < kTrimRounds; ++round) {
+    sum = distance;
+    weight.setOnes();
+    for (int64_t f = 0; f < mesh.triangles.cols(); ++f) {
+      for (int c = 0; c < 3; ++c) {
+        const int32_t v = mesh.triangles(c, f), w = mesh.triangles((c + 1) % 3, f);
+        sum[v] += distance[w];
+        weight[v] += 1;
+      }
+    }
+    distance = sum / weight;
   }
-  return SelectTriangles(mesh, keep);
+  return distance;
 }
 
 // Triangles that hang on by one edge make a boundary ragged.
@@ -179,30 +173,42 @@ void SmoothBoundary(TriangleMesh* mesh) {
   }
 }
 
+// Depth of the octree. Its cells are half as wide as the points are apart, so that folds keep their
+// two sides; no finer than the noise, which would grow bubbles; and no finer than a few per control
+// edge.
+int Depth(const PointCloud& cloud, double spacing, double longest, int32_t control_vertices) {
+  CellGrid grid;
+  grid.Build(cloud, kGridSpacings * spacing);
+  const double noise = EstimateNoise(grid).sigma;
+  const double by_points = std::log2(2 * longest / spacing);
+  const double by_noise = std::log2(longest / std::max(noise, 1e-30));
+  const double by_vertices = std::log2(4.2 * std::sqrt(static_cast<double>(control_vertices)));
+  const double depth = std::min({by_points, by_noise, by_vertices});
+  return std::clamp(static_cast<int>(std::lround(depth)), kLeastDepth, kMostDepth);
+}
+
 }  // namespace
 
 absl::StatusOr<TriangleMesh> ReconstructPoisson(const PointCloud& cloud, int32_t control_vertices) {
   if (!cloud.has_normals()) return absl::InvalidArgumentError("template: the cloud has no normals");
-  const PointCloud clean = WithoutOutliers(cloud);
+  const PointCloud clean =
+      WithoutOutliers(cloud, MedianSpacing(cloud.points, KdTree(cloud.points)));
   const KdTree tree(clean.points);
   const double spacing = MedianSpacing(clean.points, tree);
   const double longest = BoundingBox(clean.points).size().maxCoeff();
   if (!(spacing > 0) || !(longest > 0)) {
     return absl::FailedPreconditionError("template: most points of the cloud coincide");
   }
-  // Half as wide as the points are apart, so that folds keep their two sides; and no finer than
-  // some ten cells per control edge.
-  const double by_points = std::log2(2 * longest / spacing);
-  const double by_vertices = std::log2(6 * std::sqrt(static_cast<double>(control_vertices)));
-  const int depth = std::clamp(static_cast<int>(std::lround(std::min(by_points, by_vertices))),
-                               kLeastDepth, kMostDepth);
+  const int depth = Depth(clean, spacing, longest, control_vertices);
   absl::StatusOr<TriangleMesh> surface = RunPoisson(clean, depth);
   if (!surface.ok()) return surface.status();
 
   const double cell = 1.1 * longest / std::exp2(depth);
   const double reach = 2 * std::max(spacing, cell);
   RepairReport ignored;
-  TriangleMesh mesh = MakeManifold(Trim(*surface, tree, reach), &ignored);
+  TriangleMesh mesh = MakeManifold(
+      CutBelow(*surface, SmoothDistance(*surface, tree, kMostReaches * reach), kTrimLevel * reach),
+      &ignored);
   if (mesh.triangles.cols() == 0) {
     return absl::FailedPreconditionError("template: trimming left nothing of the Poisson surface");
   }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/container/inlined_vector.h"
+#include "core/mesh/triangle_quality.h"
 
 namespace cagefit {
 
@@ -26,7 +27,7 @@ constexpr double kVertexWeight = 1e-3;  // of the distance to original vertices
 struct Rules {
   int max_valence;
   double least_cosine;   // between a triangle's normals before and after
-  double least_quality;  // 4 sqrt(3) area / sum of squared sides: 1 for an equilateral triangle
+  double least_quality;  // TriangleQuality
   double max_length;     // of the edge, in mean edge lengths of the input
 };
 constexpr double kAnyLength = 1e300;
@@ -59,11 +60,6 @@ struct Quadric {
   Quadric operator+(const Quadric& o) const { return {A + o.A, b + o.b, c + o.c}; }
   double At(const Eigen::Vector3d& x) const { return x.dot(A * x) - 2 * b.dot(x) + c; }
 };
-
-double Quality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  const double sides = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
-  return sides > 0 ? 2 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / sides : 0;
-}
 
 struct Candidate {
   double cost;
@@ -302,7 +298,8 @@ class Collapser {
       }
       const Eigen::Vector3d before = (p[1] - p[0]).cross(p[2] - p[0]);
       const Eigen::Vector3d after = (q[1] - q[0]).cross(q[2] - q[0]);
-      const double quality = Quality(q[0], q[1], q[2]), old_quality = Quality(p[0], p[1], p[2]);
+      const double quality = TriangleQuality(q[0], q[1], q[2]),
+                   old_quality = TriangleQuality(p[0], p[1], p[2]);
       if (old_quality > kNeedleQuality &&
           after.dot(before) <= rules_.least_cosine * after.norm() * before.norm()) {
         return false;

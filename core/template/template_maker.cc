@@ -1,16 +1,22 @@
 #include "core/template/template_maker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_format.h"
 #include "core/base/status.h"
 #include "core/mesh/crease_detection.h"
-#include "core/mesh/triangle_bvh.h"
+#include "core/mesh/triangle_quality.h"
 #include "core/subdiv/limit.h"
+#include "core/template/carry_tags.h"
+#include "core/template/edge_split.h"
+#include "core/template/fine_surface.h"
 #include "core/template/mesh_relax.h"
 #include "core/template/mesh_repair.h"
+#include "core/template/needle_removal.h"
 #include "core/template/poisson.h"
 #include "core/template/quadric_collapse.h"
 
@@ -22,8 +28,12 @@ constexpr int32_t kMinVertices = 4, kMaxVertices = 1'000'000;
 constexpr double kComponentShare = 0.01;  // of the largest component's area
 constexpr double kCountTolerance = 0.01;
 constexpr int kRelaxRounds = 5;
+constexpr int kNeedleRounds = 3;
+constexpr double kNeedleQuality = 0.3;
 constexpr int kMaxRetries = 5;
 constexpr int kInflateRounds = 4;
+constexpr int kMostHalvings = 6;
+constexpr double kInflateQuality = 0.2, kInflateCosine = 0.5;  // what inflation leaves
 
 // Splits every triangle in four, and every crease in two, at the edges' middles.
 absl::StatusOr<TaggedMesh> SplitEdges(const TaggedMesh& coarse) {
@@ -57,11 +67,22 @@ absl::StatusOr<TaggedMesh> SplitEdges(const TaggedMesh& coarse) {
   return fine;
 }
 
-absl::StatusOr<CreaseTags> FindCreases(const TriangleMesh& mesh, std::optional<double> angle) {
+// Puts the creases of a repaired mesh into its tags: those given for `input`, or those found.
+absl::Status TagCreases(const TriangleMesh& input, const TemplateOptions& options,
+                        TaggedMesh* clean) {
+  const bool given = !options.tags.edges.empty() || !options.tags.corners.empty();
+  if (!given) FlipCaps(&clean->mesh);
+  const Points3d& V = clean->mesh.vertices;
   ASSIGN_OR_RETURN(const Topology topology,
-                   Topology::Create(static_cast<int32_t>(mesh.vertices.cols()), mesh.triangles));
-  return DetectCreases(mesh.vertices, topology, angle.value_or(kDefaultCreaseAngle),
-                       angle.has_value() ? CreaseEffort::kAlways : CreaseEffort::kOnParts);
+                   Topology::Create(static_cast<int32_t>(V.cols()), clean->mesh.triangles));
+  if (given) {
+    ASSIGN_OR_RETURN(clean->tags, CarryTags(options.tags, input.vertices, V, topology));
+  } else {
+    const std::optional<double>& angle = options.crease_angle;
+    clean->tags = DetectCreases(V, topology, angle.value_or(kDefaultCreaseAngle),
+                                angle.has_value() ? CreaseEffort::kAlways : CreaseEffort::kOnParts);
+  }
+  return absl::OkStatus();
 }
 
 // A manifold mesh with enough vertices to collapse to the count asked for, and its creases.
@@ -77,14 +98,14 @@ absl::StatusOr<TaggedMesh> Prepare(const TriangleMesh& mesh, const TemplateOptio
   }
   clean.mesh = KeepLargeComponents(clean.mesh, kComponentShare, &report->components_kept,
                                    &report->components_dropped);
-  ASSIGN_OR_RETURN(clean.tags, FindCreases(clean.mesh, options.crease_angle));
+  RETURN_IF_ERROR(TagCreases(mesh, options, &clean));
   while (clean.mesh.vertices.cols() < options.vertices) {
     ASSIGN_OR_RETURN(clean, SplitEdges(clean));
   }
   return clean;
 }
 
-TaggedMesh Reduce(const TaggedMesh& fine, const TriangleBvh& surface, int32_t vertices) {
+TaggedMesh Reduce(const TaggedMesh& fine, const FineSurface& surface, int32_t vertices) {
   TaggedMesh coarse = CollapseEdges(fine, vertices);
   // Needles of the input may block each other; better triangles free them.
   for (int k = 0; k < kMaxRetries && coarse.mesh.vertices.cols() > vertices; ++k) {
@@ -92,12 +113,61 @@ TaggedMesh Reduce(const TaggedMesh& fine, const TriangleBvh& surface, int32_t ve
     coarse = CollapseEdges(coarse, vertices);
   }
   RelaxMesh(surface, kRelaxRounds, &coarse);
+  // What goes with the needles comes back where edges are long.
+  for (int round = 0; round < kNeedleRounds; ++round) {
+    const int64_t before = coarse.mesh.vertices.cols();
+    RemoveNeedles(surface, kNeedleQuality, &coarse);
+    if (coarse.mesh.vertices.cols() < before) {
+      SplitLongEdges(surface, std::min<int64_t>(before, vertices), &coarse);
+    }
+    RelaxMesh(surface, 2, &coarse);
+  }
   return coarse;
 }
 
 bool HasCount(const TaggedMesh& mesh, int32_t vertices) {
   const double difference = std::abs(static_cast<double>(mesh.mesh.vertices.cols()) - vertices);
   return difference <= kCountTolerance * vertices;
+}
+
+// Vertices V + s D, every one with its own s, 1 where no triangle turns over or becomes a needle
+// and as much less as that takes elsewhere.
+Points3d MovedSafely(const ControlMesh& cage, const Points3d& D) {
+  const Points3d& V = cage.vertices();
+  const Triangles& T = cage.triangles();
+  // Sharp curves come last: nothing but their own vertices holds them in place.
+  std::vector<char> curve(V.cols(), 0);
+  for (const auto& edge : cage.tags().edges) {
+    for (const int32_t v : edge) curve[v] = 1;
+  }
+  Eigen::ArrayXd s = Eigen::ArrayXd::Ones(V.cols());
+  Points3d moved = V + D;
+  const auto cross = [&](const Points3d& P, int64_t f) -> Eigen::Vector3d {
+    return (P.col(T(1, f)) - P.col(T(0, f))).cross(P.col(T(2, f)) - P.col(T(0, f)));
+  };
+  const auto quality = [&](const Points3d& P, int64_t f) {
+    return TriangleQuality(P.col(T(0, f)), P.col(T(1, f)), P.col(T(2, f)));
+  };
+  for (int round = 0; round < kMostHalvings; ++round) {
+    std::vector<char> halve(V.cols(), 0);
+    bool any = false;
+    for (int64_t f = 0; f < T.cols(); ++f) {
+      const Eigen::Vector3d before = cross(V, f), after = cross(moved, f);
+      if (after.dot(before) > kInflateCosine * after.norm() * before.norm() &&
+          quality(moved, f) >= std::min(kInflateQuality, quality(V, f))) {
+        continue;
+      }
+      for (int c = 0; c < 3; ++c) halve[T(c, f)] = !curve[T(c, f)] || round >= kMostHalvings / 2;
+      any = true;
+    }
+    if (!any) return moved;
+    for (int64_t v = 0; v < V.cols(); ++v) {
+      if (!halve[v]) continue;
+      s[v] = round + 1 < kMostHalvings ? 0.5 * s[v] : 0;
+      moved.col(v) = V.col(v) + s[v] * D.col(v);
+    }
+  }
+  return moved;
 }
 
 // Moves the control vertices until the limit surface, which lies inside the control mesh where that
@@ -110,7 +180,7 @@ Points3d Inflate(const ControlMesh& cage) {
     ApplyStencils(limit, V, &at_limit);
     V += cage.vertices() - at_limit;
   }
-  return V;
+  return MovedSafely(cage, V - cage.vertices());
 }
 
 }  // namespace
@@ -133,7 +203,7 @@ absl::StatusOr<ControlMesh> TemplateFromMesh(const TriangleMesh& mesh,
   RETURN_IF_ERROR(options.Validate());
   report->input_vertices = mesh.vertices.cols();
   ASSIGN_OR_RETURN(TaggedMesh fine, Prepare(mesh, options, report));
-  const TriangleBvh surface(fine.mesh.vertices, fine.mesh.triangles);
+  const FineSurface surface(fine);
   TaggedMesh coarse = Reduce(fine, surface, options.vertices);
   if (!HasCount(coarse, options.vertices) && !fine.tags.edges.empty()) {
     fine.tags = {};
@@ -165,6 +235,7 @@ absl::StatusOr<ControlMesh> TemplateFromCloud(const PointCloud& cloud,
   RETURN_IF_ERROR(ValidateTarget(cloud));
   ASSIGN_OR_RETURN(const TriangleMesh surface, ReconstructPoisson(cloud, options.vertices));
   TemplateOptions smooth = options;  // Poisson rounds every edge; what is sharp there is noise
+  smooth.tags = {};
   smooth.crease_angle = 0;
   absl::StatusOr<ControlMesh> cage = TemplateFromMesh(surface, smooth, report);
   report->input_vertices = cloud.size();

@@ -17,6 +17,9 @@ struct TemplateOptions {
   // Degrees from which an edge of a mesh starts a crease (DetectCreases), 0 to 180; 0: none. Not
   // set: kDefaultCreaseAngle, and only on meshes whose creases look like a part's.
   std::optional<double> crease_angle;
+  // Creases and corners that the mesh is known to have, by its own vertices. Where there are any,
+  // they are all it has, whatever crease_angle says. Those of repaired triangles are left out.
+  CreaseTags tags = {};
 
   absl::Status Validate() const;
 };

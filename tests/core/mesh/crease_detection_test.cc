@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/random.h"
 #include "tests/support/data.h"
@@ -105,7 +107,15 @@ TEST(CreaseDetectionTest, ASetOfCreasesShorterThanATenthOfTheDiagonalIsLeftOut) 
 TEST(CreaseDetectionTest, PartsHaveCreasesAndBodiesHaveNone) {
   CAGEFIT_NEEDS_DATA();
   for (const char* part : {"static/fandisk_6475.ply", "static/wingnut_3047.ply"}) {
-    EXPECT_GT(Detect(testing::ReadTestMesh(part)).edges.size(), 400u) << part;
+    const CreaseTags tags = Detect(testing::ReadTestMesh(part));
+    EXPECT_GT(tags.edges.size(), 380u) << part;
+    // Thin triangles beside an edge, which have two sides as sharp, leave few loose ends.
+    std::map<int32_t, int> degree;
+    for (const auto& edge : tags.edges) ++degree[edge[0]], ++degree[edge[1]];
+    EXPECT_LE(std::count_if(degree.begin(), degree.end(),
+                            [](const auto& vertex) { return vertex.second == 1; }),
+              8)
+        << part;
   }
   for (const char* body :
        {"static/bunny_closed_34835.ply", "static/armadillo_49990.ply", "static/koala_49999.ply",

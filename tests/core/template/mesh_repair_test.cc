@@ -87,5 +87,42 @@ TEST(MeshRepairTest, SelectLeavesUnusedVerticesOut) {
   EXPECT_EQ(one.triangles.cols(), 1);
 }
 
+TEST(MeshRepairTest, CapsAreFlippedWhereTheyLie) {
+  // A vertex put into the middle of a cube's edge, but for a hair, by a cap on one side of it.
+  TriangleMesh cube = testing::Cube(1);
+  auto topology = Topology::Create(static_cast<int32_t>(cube.vertices.cols()), cube.triangles);
+  ASSERT_TRUE(topology.ok());
+  const auto [f, g] = topology->edge_triangles(0);
+  const auto [a, b] = topology->edge(0);
+  const int32_t m = static_cast<int32_t>(cube.vertices.cols());
+  cube.vertices.conservativeResize(3, m + 1);
+  cube.vertices.col(m) = 0.5 * (cube.vertices.col(a) + cube.vertices.col(b));
+  const auto t = topology->triangles().col(f);
+  int c = 0;
+  while (topology->triangle_edge(f, c) != 0) ++c;
+  const int32_t from = t[c], to = t[(c + 1) % 3], apex = t[(c + 2) % 3];
+  cube.vertices.col(m) += 1e-4 * (cube.vertices.col(apex) - cube.vertices.col(m));
+  const int64_t count = cube.triangles.cols();
+  cube.triangles.conservativeResize(3, count + 2);
+  cube.triangles.col(f) << from, to, m;  // the cap
+  cube.triangles.col(count) << from, m, apex;
+  cube.triangles.col(count + 1) << m, to, apex;
+  FlipCaps(&cube);
+  topology = Topology::Create(m + 1, cube.triangles);
+  ASSERT_TRUE(topology.ok()) << topology.status();
+  EXPECT_EQ(topology->FindEdge(a, b), Topology::kNone);
+  EXPECT_NE(topology->FindEdge(a, m), Topology::kNone);
+  EXPECT_NE(topology->FindEdge(b, m), Topology::kNone);
+  EXPECT_TRUE(topology->BoundaryLoops().empty());
+}
+
+TEST(MeshRepairTest, ThinTrianglesOfAnotherShapeStay) {
+  TriangleMesh sheet = testing::OpenGrid(4);
+  sheet.vertices.row(0) *= 0.01;  // no caps, but no flip makes these better
+  const TriangleMesh before = sheet;
+  FlipCaps(&sheet);
+  EXPECT_EQ(sheet.triangles, before.triangles);
+}
+
 }  // namespace
 }  // namespace cagefit

@@ -116,6 +116,28 @@ TEST(TemplateMakerTest, CreasesAreGivenUpWhereTheyAskForTooMuchOrAreNotWanted) {
       HasSubstr("crease_angle is 181; it must be from 0 to 180"));
 }
 
+TEST(TemplateMakerTest, GivenTagsSurvive) {
+  // A circle around a torus, which no angle would find, and a corner beside it.
+  const TriangleMesh torus = testing::Torus(48, 24);
+  TemplateOptions options;
+  options.vertices = 200;
+  for (int32_t k = 0; k < 48; ++k) options.tags.edges.push_back({k, (k + 1) % 48});
+  options.tags.corners = {12 * 48 + 7};
+  TemplateReport report;
+  const auto cage = TemplateFromMesh(torus, options, &report);
+  ASSERT_TRUE(cage.ok()) << cage.status();
+  EXPECT_GE(report.crease_edges, 8);
+  EXPECT_EQ(report.corners, 1);
+  std::vector<int> degree(cage->vertex_count(), 0);
+  for (const auto& edge : cage->tags().edges) {
+    for (const int32_t v : edge) ++degree[v];
+  }
+  for (const int d : degree) EXPECT_TRUE(d == 0 || d == 2) << d;  // one closed curve
+  options.tags.corners = {48 * 24};
+  EXPECT_THAT(std::string(TemplateFromMesh(torus, options, &report).status().message()),
+              HasSubstr("vertex 1152 is outside [0, 1152)"));
+}
+
 struct Real {
   const char* file;
   int32_t vertices;
