@@ -51,8 +51,9 @@ double CoverageTerm::PointWeight() const {
 
 double CoverageTerm::Assign(const Points3d& V) {
   if (!is_on()) return 0;
-  // Points that take part for the first time are sought everywhere, others from where they were.
-  if (assigned_stride_ > 0 && assigned_stride_ <= stride_) {
+  // Later on, points that take part for the first time are sought from where their foot was at
+  // first.
+  if (assigned_stride_ > 0) {
     projector_.MoveVertices(V);
   } else {
     projector_.SetVertices(V);

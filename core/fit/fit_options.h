@@ -37,7 +37,7 @@ struct DistanceOptions {
 // Data-to-model distance (energy/coverage_term.h).
 struct CoverageOptions {
   double weight = 10;         // 0 to 1e6; 0: none, as in [xie2022]
-  int points_per_vertex = 8;  // target points that take part, per control vertex (8,000 in all if
+  int points_per_vertex = 8;  // target points that take part, per control vertex (16,000 in all if
                               // that is more); 1 to 1,000
 };
 

@@ -68,7 +68,7 @@ struct Fitter::State {
     objective.SetTarget(&frame.index(), frame.objective_target().far_radius);
     for (size_t k = 0; k < starts.size(); ++k) {
       Points3d start = normalization.ToUnit(starts[k]);
-      const double energy = objective.AssignSamples(start, &half_gradient).distance;
+      const double energy = objective.AssignSamples(start, nullptr).distance;
       if (k > 0 && !(energy < lowest)) continue;
       lowest = energy;
       best = static_cast<int>(k);
@@ -102,7 +102,7 @@ struct Fitter::State {
     const Similarity similarity = AlignToTarget(surface, frame.cloud());
     if (similarity.is_identity()) return;
     *V = similarity * *V;
-    objective.AssignSamples(*V, &half_gradient);
+    objective.AssignSamples(*V, nullptr);
     far_off = FarOff();
   }
 

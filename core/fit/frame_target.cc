@@ -20,7 +20,7 @@ constexpr double kKernelScalePerNoise = 2;
 // A kernel narrower than this share of the spacing would reject the surface itself.
 constexpr double kLeastKernelScale = 0.1;
 // Few control vertices need no fewer points each: theirs is the same surface.
-constexpr int64_t kLeastCoveragePoints = 8000;
+constexpr int64_t kLeastCoveragePoints = 16000;
 // alpha grows by the square of the noise over this length, in unit coordinates.
 constexpr double kNoiseOfDoubleWeight = 1e-3;
 
@@ -57,9 +57,9 @@ absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& nor
       std::max(kKernelScalePerNoise * noise_, kLeastKernelScale * index_.spacing());
   target_.kernel = {distance.kernel,
                     distance.kernel_scale > 0 ? distance.kernel_scale * scale_ : kernel_scale};
-  target_.cloud = &cloud_;
-  target_.coverage_points =
-      std::max(kLeastCoveragePoints, options.coverage.points_per_vertex * control_vertices);
+  DrawCovered(
+      std::max(kLeastCoveragePoints, options.coverage.points_per_vertex * control_vertices));
+  target_.covered = &covered_;
   target_.coverage_weight = options.coverage.weight;
   return absl::OkStatus();
 }
@@ -87,6 +87,19 @@ absl::Status FrameTarget::Clean(const FitOptions& options) {
     RETURN_IF_ERROR(Index(options));
   }
   return absl::OkStatus();
+}
+
+// In the order of the grid: neighbours follow one another, and so do the patches that they lie on.
+void FrameTarget::DrawCovered(int64_t count) {
+  const CellGrid& grid = index_.grid();
+  count = std::min(count, grid.size());
+  covered_.points.resize(3, count);
+  covered_.normals.resize(3, count);
+  for (int64_t k = 0; k < count; ++k) {
+    const int64_t i = k * grid.size() / count;
+    covered_.points.col(k) = grid.point_at(i);
+    covered_.normals.col(k) = grid.normal_at(i);
+  }
 }
 
 double FrameTarget::ArapWeight(const FitOptions& options, int64_t control_vertices) const {

@@ -27,8 +27,8 @@ class FrameTarget {
   const ObjectiveTarget& objective_target() const { return target_; }
   const TargetIndex& index() const { return index_; }
   const PointCloud& cloud() const { return cloud_; }  // unit coordinates, cleaned
-  double noise() const { return noise_; }         // standard deviation, unit coordinates
-  int64_t outliers() const { return outliers_; }  // points that were left out
+  double noise() const { return noise_; }             // standard deviation, unit coordinates
+  int64_t outliers() const { return outliers_; }      // points that were left out
 
   // alpha where the options set none: kArapWeightPerVertex times the control vertices, and with
   // noise as much more as keeps the surface from following it.
@@ -37,8 +37,9 @@ class FrameTarget {
  private:
   absl::Status Index(const FitOptions& options);
   absl::Status Clean(const FitOptions& options);
+  void DrawCovered(int64_t count);
 
-  PointCloud cloud_;
+  PointCloud cloud_, covered_;
   TargetIndex index_;
   ObjectiveTarget target_;
   double scale_ = 1, noise_ = 0;

@@ -32,7 +32,7 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
                                                  StepSystem* system, Points3d* V,
                                                  double first_radius) {
   Minimization out;
-  Points3d half_gradient, trial_half_gradient, step, trial;
+  Points3d half_gradient, step, trial;
   const double arap_weight = objective->arap_weight();
   double radius = first_radius, stiffness = options.first_stiffness;
   const auto set_coarseness = [&] {
@@ -67,7 +67,7 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
       return absl::InternalError("fit: diverged, a step is not finite");
     }
     trial = *V + step;
-    const Energies tried = objective->Evaluate(trial, &trial_half_gradient);
+    const Energies tried = objective->Evaluate(trial, nullptr);
     const double decrease = energies.total() - tried.total();
     // At rounding level neither energy nor promise means anything any more.
     const bool exhausted = promised <= kRounding * energies.total() || damping >= kMostDamping;
@@ -99,8 +99,7 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
   }
   objective->set_arap_weight(arap_weight);
   if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
-  out.final = elsewhere ? objective->Evaluate(*V, &half_gradient)
-                        : objective->Reevaluate(*V, &half_gradient);
+  out.final = elsewhere ? objective->Evaluate(*V, nullptr) : objective->Reevaluate(*V, nullptr);
   return out;
 }
 

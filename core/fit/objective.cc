@@ -51,8 +51,8 @@ Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weig
 void Objective::SetTarget(const ObjectiveTarget& target) {
   distance_.SetTarget(target.index, target.far_radius, S_.cols(), target.field, target.kernel);
   if (coverage_ != nullptr) {
-    coverage_->SetTarget(target.cloud, target.coverage_points, target.coverage_weight,
-                         target.kernel);
+    coverage_->SetTarget(target.covered, target.covered != nullptr ? target.covered->size() : 0,
+                         target.coverage_weight, target.kernel);
   }
   radius_factor_ = 1;
   residuals_.clear();
@@ -98,12 +98,15 @@ Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
   Energies energies;
   energies.distance = distance_energy_;
   energies.coverage = coverage_energy_;
-  half_gradient->resize(3, V.cols());
-  half_gradient->setZero();
   if (arap_weight_ > 0) {
     arap_.UpdateRotations(V);
     energies.arap = arap_weight_ * arap_.Evaluate(V, half_gradient);
+  }
+  if (half_gradient == nullptr) return energies;
+  if (arap_weight_ > 0) {
     *half_gradient *= arap_weight_;
+  } else {
+    half_gradient->setZero(3, V.cols());
   }
   // dE_dist/dV_j = 2 n/m sum_i S_ij (rho' f grad f + beyond grad beyond).
   const double weight = distance_.weight();

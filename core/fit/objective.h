@@ -20,9 +20,8 @@ struct ObjectiveTarget {
   double far_radius = 0;               // d0
   Field field = Field::kImls;
   RobustKernel kernel;
-  const PointCloud* cloud = nullptr;  // with normals: what has to be covered
-  int64_t coverage_points = 0;        // of the cloud, at most
-  double coverage_weight = 0;         // gamma; 0: none, as without a coverage term
+  const PointCloud* covered = nullptr;  // with normals: points that the surface has to come to
+  double coverage_weight = 0;           // gamma; 0: none, as without a coverage term
 };
 
 // Not thread-safe. Structure is built once; SetTarget and SetRest replace numbers.
@@ -57,7 +56,8 @@ class Objective {
   // As Assign at any V, but with the radii and branches of the last Assign.
   Energies AssignFeet(const Points3d& V, Points3d* half_gradient);
 
-  // Energies at V with the choices of the last Assign, and half their gradient (3 x n).
+  // Energies at V with the choices of the last Assign, and half their gradient (3 x n) unless that
+  // is null.
   Energies Evaluate(const Points3d& V, Points3d* half_gradient);
 
   // As Evaluate, at V where the objective was last evaluated or assigned: after another alpha was

@@ -26,7 +26,7 @@ class SurfaceProjector {
   // Sets the control vertices (3 x n, finite); required before the rest. Buffers keep their
   // capacity.
   void SetVertices(const Points3d& V);
-  // The same where only Track follows: cheaper, Closest would answer for the vertices set before.
+  // The same, but cheaper: Closest goes on to start where the foot was at the vertices set before.
   void MoveVertices(const Points3d& V) { surface_->ControlPoints(V, &control_points_); }
 
   // The foot of x (finite). Of parts of the surface that are equally near to within twice the

@@ -52,8 +52,7 @@ struct FitProblem {
     (void)index.Build(cloud, radius, 2);
     target.index = &index;
     target.far_radius = 3 * radius;
-    target.cloud = &cloud;
-    target.coverage_points = 8000;
+    target.covered = &cloud;
     target.coverage_weight = coverage_weight;
     objective.SetTarget(target);
     objective.SetRest(cage.vertices());

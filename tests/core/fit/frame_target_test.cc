@@ -42,8 +42,8 @@ class FrameTargetTest : public ::testing::Test {
 TEST_F(FrameTargetTest, HoldsTheCloudInUnitCoordinates) {
   ASSERT_TRUE(Build(clean_).ok());
   const Points3d unit = normalization_.ToUnit(clean_.points.cast<double>());
-  EXPECT_NEAR((target().cloud->points.cast<double>() - unit).cwiseAbs().maxCoeff(), 0, 1e-7);
-  EXPECT_EQ(target().cloud->normals, clean_.normals);
+  EXPECT_NEAR((frame_.cloud().points.cast<double>() - unit).cwiseAbs().maxCoeff(), 0, 1e-7);
+  EXPECT_EQ(frame_.cloud().normals, clean_.normals);
   EXPECT_EQ(target().index, &frame_.index());
   EXPECT_EQ(frame_.outliers(), 0);
 }
@@ -70,7 +70,7 @@ TEST_F(FrameTargetTest, LeavesOutliersOutAndCountsThem) {
   const auto off = (spoiled.points.colwise() - center).colwise().norm().array() - 100;
   EXPECT_GE(frame_.outliers(), (off.abs() > 10).count());
   EXPECT_LE(frame_.outliers(), strays);
-  EXPECT_EQ(target().cloud->size(), spoiled.size() - frame_.outliers());
+  EXPECT_EQ(frame_.cloud().size(), spoiled.size() - frame_.outliers());
   // The index does not know them either.
   int64_t farthest = 0;
   off.abs().maxCoeff(&farthest);
@@ -82,26 +82,26 @@ TEST_F(FrameTargetTest, LeavesOutliersOutAndCountsThem) {
   keep.target.remove_outliers = false;
   ASSERT_TRUE(Build(spoiled, keep).ok());
   EXPECT_EQ(frame_.outliers(), 0);
-  EXPECT_EQ(target().cloud->size(), spoiled.size());
+  EXPECT_EQ(frame_.cloud().size(), spoiled.size());
 }
 
 TEST_F(FrameTargetTest, TurnsFlippedNormalsBack) {
   const PointCloud spoiled = WithFlippedNormals(clean_, 0.05);
   const auto count_wrong = [&] {
-    const auto agreement = target().cloud->normals.cwiseProduct(clean_.normals).colwise().sum();
+    const auto agreement = frame_.cloud().normals.cwiseProduct(clean_.normals).colwise().sum();
     return (agreement.array() < 0).count();
   };
   FitOptions keep;
   keep.target.repair_normals = false;
   ASSERT_TRUE(Build(spoiled, keep).ok());
-  EXPECT_EQ(target().cloud->normals, spoiled.normals);
+  EXPECT_EQ(frame_.cloud().normals, spoiled.normals);
   const int64_t flipped = count_wrong();
   ASSERT_GT(flipped, clean_.size() / 25);
 
   ASSERT_TRUE(Build(spoiled).ok());
   EXPECT_LT(count_wrong(), flipped / 100);
   // The index has them, too: the field is negative inside.
-  const Eigen::Vector3d inside = 0.99 * target().cloud->points.col(0).cast<double>();
+  const Eigen::Vector3d inside = 0.99 * frame_.cloud().points.col(0).cast<double>();
   EXPECT_NEAR(EvaluateImls(frame_.index().grid(), inside, frame_.index().radius()).value, -0.005,
               5e-4);
 }
@@ -169,10 +169,10 @@ TEST_F(FrameTargetTest, CoverageTakesPointsByControlVerticesButNotTooFew) {
   options.coverage.weight = 2.5;
   ASSERT_TRUE(Build(clean_, options).ok());
   EXPECT_EQ(target().coverage_weight, 2.5);
-  EXPECT_EQ(target().coverage_points, 8000);  // more than 8 for each of 300
+  EXPECT_EQ(target().covered->size(), 8000);  // more than 8 for each of 300
   options.coverage.points_per_vertex = 40;
   ASSERT_TRUE(Build(clean_, options).ok());
-  EXPECT_EQ(target().coverage_points, 40 * kControlVertices);
+  EXPECT_EQ(target().covered->size(), 40 * kControlVertices);
 }
 
 TEST_F(FrameTargetTest, KeepsNothingOfTheFrameBefore) {
@@ -183,7 +183,7 @@ TEST_F(FrameTargetTest, KeepsNothingOfTheFrameBefore) {
   EXPECT_EQ(frame_.noise(), fresh.noise());
   EXPECT_EQ(frame_.outliers(), 0);
   EXPECT_EQ(frame_.index().radius(), fresh.index().radius());
-  EXPECT_EQ(target().cloud->points, fresh.objective_target().cloud->points);
+  EXPECT_EQ(frame_.cloud().points, fresh.objective_frame_.cloud().points);
   EXPECT_EQ(target().kernel.scale, fresh.objective_target().kernel.scale);
 }
 

@@ -68,8 +68,7 @@ TEST(ObjectiveTest, GradientOfAllTermsTogetherAgreesWithFiniteDifferencesOnACrea
         target.far_radius = 0.1;
         target.field = field;
         target.kernel = {kernel, 0.05};
-        target.cloud = &cloud;
-        target.coverage_points = 1000;
+        target.covered = &cloud;
         target.coverage_weight = 3;
         objective.SetTarget(target);
         objective.SetRest(cage.vertices());
