@@ -10,6 +10,9 @@ namespace cagefit {
 namespace {
 
 constexpr double kInitialDamping = 1e-5;  // of the mean diagonal
+constexpr double kSlidingDamping = 1e-3;  // least where a step slid too far
+// A rise by as many times what ends the solver, when feet are chosen anew, ends it as no fall does.
+constexpr double kSmallRise = 5;
 constexpr double kLeastDamping = 1e-8, kMostDamping = 1e6;
 constexpr int kMaxLinearIterations = 400;
 // Of the residual in each linear solve: a tighter one costs more than the steps that it saves.
@@ -93,9 +96,17 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
     set_coarseness();
     energies = out.iterations < kMaxAssignments ? objective->Assign(*V, &half_gradient)
                                                 : objective->Reevaluate(*V, &half_gradient);
-    out.converged =
-        finest && (exhausted || before - energies.total() <= options.relative_decrease * before);
     stale = true;
+    const double least = options.relative_decrease * before;
+    if (finest && accepted && energies.total() > before + kSmallRise * least) {
+      // A shorter step slides less.
+      V->swap(trial);
+      energies = objective->Assign(*V, &half_gradient);
+      damping = std::min(kMostDamping, 10 * std::max(damping, kSlidingDamping));
+      out.converged = promised <= least || damping >= kMostDamping;
+    } else {
+      out.converged = finest && (exhausted || before - energies.total() <= least);
+    }
   }
   objective->set_arap_weight(arap_weight);
   if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");

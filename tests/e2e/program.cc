@@ -14,6 +14,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "absl/strings/str_cat.h"
+
 namespace cagefit::testing {
 namespace {
 
@@ -122,7 +124,9 @@ ServerProgram::ServerProgram(const std::vector<std::string>& arguments)
 }
 
 std::string EmptyFolder(const std::string& name) {
-  const std::string folder = ::testing::TempDir() + "/cagefit_" + name;
+  const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::string folder = absl::StrCat(::testing::TempDir(), "cagefit/", test->test_suite_name(),
+                                          ".", test->name(), "/", name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

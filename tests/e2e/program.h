@@ -55,7 +55,7 @@ class ServerProgram {
   std::string address_;
 };
 
-// A new folder under the test's temporary folder, empty.
+// A new folder of the running test's own, empty.
 std::string EmptyFolder(const std::string& name);
 std::string ReadText(const std::string& path);
 void WriteText(const std::string& path, const std::string& text);

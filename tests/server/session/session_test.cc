@@ -23,8 +23,15 @@ using testing::ReasonOf;
 Frame BadFrame(uint64_t number) { return DecodedFrame(number, "no Draco"); }
 
 // Numbered `number`, but far from all other frames.
+// Two spheres far apart: no sphere comes near both.
 Frame FarFrame(uint64_t number) {
-  return DecodedFrame(number, FrameBytes(SphereCloud(500, {500, 0, 0})));
+  PointCloud cloud = SphereCloud(250, {500, 0, 0});
+  const PointCloud other = SphereCloud(250, {0, 500, 0});
+  cloud.points.conservativeResize(3, 500);
+  cloud.normals.conservativeResize(3, 500);
+  cloud.points.rightCols(250) = other.points;
+  cloud.normals.rightCols(250) = other.normals;
+  return DecodedFrame(number, FrameBytes(cloud));
 }
 
 TEST(SessionTest, FitsAFrame) {
