@@ -37,9 +37,9 @@ absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
   return absl::OkStatus();
 }
 
-// Loose feet blur the energy by less than what ends the solver.
+// Loose feet blur the energy, by their square, by less than what ends the solver.
 double FootTolerance(const SolverOptions& options) {
-  return std::clamp(options.relative_decrease, 1e-5, 1e-2);
+  return std::clamp(0.1 * std::sqrt(options.relative_decrease), 1e-5, 1e-2);
 }
 
 }  // namespace

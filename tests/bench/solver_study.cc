@@ -15,7 +15,7 @@ void Compare(const Model& model, int32_t vertices) {
   FitOptions adam = options;
   adam.solver.solver = Solver::kAdam;
   adam.solver.max_iterations = 1000;
-  adam.solver.relative_decrease = 0;
+  adam.solver.relative_decrease = 1e-12;  // all of them
   double best = 0, rate = 0, seconds = 0;
   for (const double candidate : kRates) {
     adam.solver.learning_rate = candidate;
@@ -26,9 +26,9 @@ void Compare(const Model& model, int32_t vertices) {
     rate = candidate;
     seconds = fit.seconds;
   }
-  options.solver.relative_decrease = 1e-3;
+  options.solver.relative_decrease = 1e-5;
   const StudyFit newton = FitTo(model.cloud, cage, options);
-  std::printf("| %s, %d | %.4g | %g | %.2f s | %.4g | %d | %.2f s | %.1f |\n", model.name.c_str(),
+  std::printf("| %s, %d | %.5g | %g | %.2f s | %.5g | %d | %.2f s | %.1f |\n", model.name.c_str(),
               cage.vertex_count(), best, rate, seconds, newton.summary.final.total(),
               newton.summary.iterations, newton.seconds, seconds / newton.seconds);
   std::fflush(stdout);
