@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/parallel.h"
+#include "core/subdiv/child_point.h"
 #include "core/subdiv/refine.h"
 
 namespace cagefit {
@@ -125,7 +126,9 @@ void CoverageTerm::AssignPoint(int64_t k, Chunk* chunk) {
   foot.begin = end;
   foot.count = static_cast<int32_t>(row.size());
   chunk->entries.insert(chunk->entries.end(), row.begin(), row.end());
-  foot.triangle = RefinedTriangle(found.at, &foot.barycentric);
+  const ChildPoint child = InChild(found.at.u, found.at.v);
+  foot.triangle = 4 * found.at.face + child.child;
+  foot.barycentric << 1 - child.u - child.v, child.u, child.v;
 }
 
 double CoverageTerm::Evaluate(const Points3d& V) {

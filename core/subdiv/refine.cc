@@ -54,25 +54,6 @@ Triangles SplitTriangles(const Topology& topology) {
   return fine;
 }
 
-int32_t RefinedTriangle(const SurfacePoint& point, Eigen::Vector3d* weights) {
-  const double u = point.u, v = point.v, w = 1 - u - v;
-  if (w >= 0.5) {
-    *weights << 2 * w - 1, 2 * u, 2 * v;
-    return 4 * point.face;
-  }
-  if (u >= 0.5) {
-    *weights << 2 * u - 1, 2 * v, 2 * w;
-    return 4 * point.face + 1;
-  }
-  if (v >= 0.5) {
-    *weights << 2 * v - 1, 2 * w, 2 * u;
-    return 4 * point.face + 2;
-  }
-  // e0 lies across from corner 2, and so on.
-  *weights << 1 - 2 * v, 1 - 2 * w, 1 - 2 * u;
-  return 4 * point.face + 3;
-}
-
 StencilMatrix RefinementStencils(const Topology& topology, const SharpFeatures& sharp) {
   const int32_t n = topology.vertex_count();
   return BuildStencils(

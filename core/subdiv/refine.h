@@ -7,7 +7,6 @@
 #include "core/subdiv/limit.h"  // IWYU pragma: export
 #include "core/subdiv/sharp_features.h"
 #include "core/subdiv/stencils.h"
-#include "core/subdiv/surface_point.h"
 
 namespace cagefit {
 
@@ -19,10 +18,6 @@ namespace cagefit {
 //
 // Vertices of the finer mesh: first the n old ones, then one per edge in edge order.
 Triangles SplitTriangles(const Topology& topology);
-
-// The triangle of the finer mesh that a point of the coarser one lies in, and the weights of its
-// corners, in the order of SplitTriangles.
-int32_t RefinedTriangle(const SurfacePoint& point, Eigen::Vector3d* weights);
 
 // One refinement step. Both halves of a crease edge are crease edges; corners stay corners.
 struct Refinement {

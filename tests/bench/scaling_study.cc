@@ -4,7 +4,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "client/synth/capture.h"
+#include "core/base/random.h"
+#include "core/mesh/area_sampler.h"
 #include "tests/bench/study.h"
 
 namespace cagefit::bench {
@@ -15,10 +16,26 @@ constexpr int64_t kPoints[] = {10'000, 50'000, 200'000, 500'000, 1'000'000, 2'00
 constexpr int32_t kFewVertices = 2000;
 constexpr int64_t kSomePoints = 200'000;
 
-PointCloud Blob(int64_t points) {
-  client::CaptureOptions options;
-  options.points = points;
-  return client::CaptureFrame(*client::MakeBlob(1), 0, options);
+// Drawn by area from the surface.
+PointCloud Sample(const TriangleMesh& surface, int64_t points) {
+  const AreaSampler sampler(surface.vertices, surface.triangles);
+  const Points3d normals = VertexNormals(surface);
+  Random random(1);
+  PointCloud cloud;
+  cloud.points.resize(3, points);
+  cloud.normals.resize(3, points);
+  for (int64_t i = 0; i < points; ++i) {
+    const AreaSampler::Point at = sampler.Draw(&random);
+    Eigen::Vector3d x = Eigen::Vector3d::Zero(), n = x;
+    for (int c = 0; c < 3; ++c) {
+      const int32_t v = surface.triangles(c, at.triangle);
+      x += at.weights[c] * surface.vertices.col(v);
+      n += at.weights[c] * normals.col(v);
+    }
+    cloud.points.col(i) = x.cast<float>();
+    cloud.normals.col(i) = n.normalized().cast<float>();
+  }
+  return cloud;
 }
 
 double AllocatedMegabytes() {
@@ -49,10 +66,11 @@ void StudyScaling() {
       "| control vertices | points | once a session | cleaning and index | fit | steps | a step | "
       "memory of the fitter |\n"
       "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-  const PointCloud cloud = Blob(kSomePoints);
-  for (const int32_t vertices : kVertices) Row(CageOf(cloud, vertices), cloud);
-  const ControlMesh cage = CageOf(cloud, kFewVertices);
-  for (const int64_t points : kPoints) Row(cage, Blob(points));
+  const TriangleMesh surface = BumpySphere(7);
+  const PointCloud cloud = Sample(surface, kSomePoints);
+  for (const int32_t vertices : kVertices) Row(CageOf(surface, vertices), cloud);
+  const ControlMesh cage = CageOf(surface, kFewVertices);
+  for (const int64_t points : kPoints) Row(cage, Sample(surface, points));
 }
 
 }  // namespace cagefit::bench

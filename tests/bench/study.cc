@@ -8,7 +8,6 @@
 
 #include "absl/strings/string_view.h"
 #include "client/io/geometry_file.h"
-#include "client/synth/capture.h"
 #include "core/cloud/surface_cloud.h"
 #include "core/subdiv/limit.h"
 #include "core/template/template_maker.h"
@@ -25,8 +24,10 @@ Value OrDie(absl::StatusOr<Value> value) {
   std::exit(EXIT_FAILURE);
 }
 
-TriangleMesh BumpySphere() {
-  TriangleMesh mesh = testing::Icosphere(6);
+}  // namespace
+
+TriangleMesh BumpySphere(int levels) {
+  TriangleMesh mesh = testing::Icosphere(levels);
   for (int64_t v = 0; v < mesh.vertices.cols(); ++v) {
     const Eigen::Vector3d x = mesh.vertices.col(v);
     mesh.vertices.col(v) *= 1 + 0.1 * std::sin(5 * x[0]) * std::sin(4 * x[1]) + 0.2 * x[2] * x[0];
@@ -34,13 +35,11 @@ TriangleMesh BumpySphere() {
   return mesh;
 }
 
-}  // namespace
-
 Model LoadModel(const std::string& name) {
   Model model;
   Points3f normals(3, 0);
   if (testing::DataDir().empty()) {
-    model = {"bumpy sphere", BumpySphere(), {}};
+    model = {"bumpy sphere", BumpySphere(6), {}};
   } else {
     client::Geometry geometry = OrDie(client::ReadGeometry(testing::DataDir() + "/" + name));
     model = {name, std::move(geometry.mesh), {}};

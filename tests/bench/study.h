@@ -23,6 +23,9 @@ struct Model {
 // program where the file cannot be read.
 Model LoadModel(const std::string& name);
 
+// Of 10 * 4^levels + 2 vertices.
+TriangleMesh BumpySphere(int levels);
+
 struct StudyFit {
   TriangleMesh surface;  // limit surface, kMetricLevels
   FitSummary summary;
