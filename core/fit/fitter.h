@@ -47,7 +47,8 @@ class Fitter {
 
   // Fits to `target` (validated, with normals; user units) and writes the fitted control vertices
   // (3 x n, user units) to `*fitted`. Of `starts` (each 3 x n, user units; at least one), the one
-  // nearest to the target by E_dist is where it begins, the first of equals. A pure function of
+  // nearest to the target by E_dist is where it begins, the first of equals, moved as a whole where
+  // that brings it much nearer (alignment.h). A pure function of
   // Create's arguments, `starts` and `target`. CANCELLED within one solver step; INTERNAL when the
   // fit diverged (not finite). On error *fitted is unchanged.
   absl::StatusOr<FitSummary> Fit(const PointCloud& target, const std::vector<Points3d>& starts,
