@@ -15,6 +15,18 @@ constexpr int64_t kGrain = 256;  // points a chunk
 // A foot is sought again when it has moved by this many tolerances.
 constexpr double kStay = 4;
 
+// Mean edges of the control mesh.
+constexpr double kReach = 2, kBoundaryReach = 1;
+
+double MeanEdgeLength(const Topology& topology, const Points3d& V) {
+  double sum = 0;
+  for (int32_t e = 0; e < topology.edge_count(); ++e) {
+    const auto& [a, b] = topology.edge(e);
+    sum += (V.col(a) - V.col(b)).norm();
+  }
+  return sum / topology.edge_count();
+}
+
 }  // namespace
 
 CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance)
@@ -58,6 +70,7 @@ double CoverageTerm::Assign(const Points3d& V) {
     projector_.MoveVertices(V);
   } else {
     projector_.SetVertices(V);
+    edge_ = MeanEdgeLength(surface_.topology(), V);
   }
   assigned_stride_ = stride_;
   return PointWeight() * ParallelSum(points_.cols(), kGrain, [&](int64_t begin, int64_t end) {
@@ -84,15 +97,19 @@ Eigen::Vector3d CoverageTerm::Offset(int64_t k, const Entries& entries,
   return offset;
 }
 
+double CoverageTerm::EdgeLength(int32_t face) const {
+  const Points3d& V = projector_.control_points();
+  const auto corners = surface_.topology().triangles().col(face);
+  return (V.col(corners(1)) - V.col(corners(0))).norm();
+}
+
 // A foot stays while the point is off along the normal that it was found with.
 bool CoverageTerm::Stays(int64_t k, const Chunk& chunk) {
   Foot& foot = feet_[k];
   if (!foot.is_free) return false;
-  const Points3d& control_points = projector_.control_points();
-  const Eigen::Vector3d offset = Offset(k, chunk.last, control_points);
+  const Eigen::Vector3d offset = Offset(k, chunk.last, projector_.control_points());
   const double distance = foot.direction.dot(offset);
-  const auto corners = surface_.topology().triangles().col(foot.at.face);
-  const double edge = (control_points.col(corners(1)) - control_points.col(corners(0))).norm();
+  const double edge = EdgeLength(foot.at.face);
   if ((offset - distance * foot.direction).norm() > kStay * foot_tolerance_ * edge) return false;
   foot.residual = distance;
   return true;
@@ -114,7 +131,9 @@ void CoverageTerm::AssignPoint(int64_t k, Chunk* chunk) {
   const SurfaceFoot found =
       foot.at.face >= 0 ? projector_.Track(p, foot.at) : projector_.Closest(p);
   foot.at = found.at;
-  foot.used = normals_.col(k).dot(found.normal) > 0;
+  const bool is_off_boundary = found.on_boundary && !found.is_free;
+  const bool is_beyond = found.distance > (is_off_boundary ? kBoundaryReach : kReach) * edge_;
+  foot.used = normals_.col(k).dot(found.normal) > 0 && !is_beyond;
   if (!foot.used) return;
   const Eigen::Vector3d offset = p - found.position;
   foot.is_free = found.is_free && !found.on_boundary;

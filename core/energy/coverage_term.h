@@ -12,7 +12,9 @@
 // the surface is drawn out to the points beyond it.
 //
 // A point whose normal faces against the surface's at its foot takes no part: it belongs to another
-// sheet.
+// sheet. Nor does one that is farther away than two mean edges of the control mesh at the first
+// Assign, or than one beyond a boundary: it may belong to a part that the surface does not have,
+// and would pull it out of shape. Nearer ones come into reach step by step.
 //
 // The Gauss-Newton matrix moves the foot with its triangle of the limit mesh of M1: with b_kc the
 // barycentric weights of the foot in that triangle and Q_c its vertices,
@@ -52,8 +54,8 @@ class CoverageTerm {
   // `weight` is gamma; 0 or no target: the term is off and everything below is 0.
   void SetTarget(const PointCloud* target, int64_t points, double weight,
                  const RobustKernel& kernel);
-  // Multiplies the kernel's scale. A coarse problem takes every kCoarseStride-th point only, from
-  // the next Assign on.
+  // Multiplies the kernel's scale. A coarse problem takes every
+  // kCoarseStride-th point only, from the next Assign on.
   void SetCoarseness(double kernel_factor, bool is_coarse) {
     scaled_kernel_.scale = kernel_factor * kernel_.scale;
     stride_ = is_coarse ? kCoarseStride : 1;
@@ -111,6 +113,7 @@ class CoverageTerm {
   };
 
   Eigen::Vector3d Offset(int64_t k, const Entries& entries, const Points3d& control_points) const;
+  double EdgeLength(int32_t face) const;  // of one edge of the control triangle
   bool Stays(int64_t k, const Chunk& chunk);
   void AssignPoint(int64_t k, Chunk* chunk);
   double Energy(Foot* foot) const;
@@ -126,6 +129,7 @@ class CoverageTerm {
   int64_t stride_ = 1;
   int64_t assigned_stride_ = 0;  // of the last Assign; 0: there was none
   RobustKernel kernel_, scaled_kernel_;
+  double edge_ = 0;            // mean of the control mesh at the first Assign
   Points3d points_, normals_;  // 3 x K
   Points3d control_points_;
   mutable Points3d pull_;  // 3 x control points: work space of AddHalfGradient

@@ -307,14 +307,14 @@ TEST(CoverageTermTest, ABoundaryIsDrawnOutToThePointsBeyondIt) {
   cloud.points.resize(3, 200);
   for (int k = 0; k < 200; ++k) {
     const double a = 2 * 3.14159265358979323846 * k / 200;
-    cloud.points.col(k) = Eigen::Vector3d(1.3 * std::cos(a), 1.3 * std::sin(a), 0).cast<float>();
+    cloud.points.col(k) = Eigen::Vector3d(1.15 * std::cos(a), 1.15 * std::sin(a), 0).cast<float>();
   }
   cloud.normals = Eigen::Vector3f::UnitZ().replicate(1, 200);
   Covered covered(sample, cloud);
   const double energy = covered.term.Assign(sample.V);
   EXPECT_EQ(CountUsed(covered.term), 200);
   const double n = static_cast<double>(sample.V.cols());
-  EXPECT_NEAR(std::sqrt(energy / (kWeight * n)), 0.3, 0.02);  // the disk's boundary is a polygon's
+  EXPECT_NEAR(std::sqrt(energy / (kWeight * n)), 0.15, 0.02);  // the disk's boundary is a polygon's
 
   const Points3d pull = -HalfGradient(covered.term, sample.V.cols());
   for (int32_t j = 0; j < sample.topology.vertex_count(); ++j) {
@@ -322,6 +322,21 @@ TEST(CoverageTermTest, ABoundaryIsDrawnOutToThePointsBeyondIt) {
     EXPECT_GT(pull.col(j).dot(sample.V.col(j)), 0.9 * pull.col(j).norm() * sample.V.col(j).norm());
   }
   EXPECT_LT(covered.term.Assign(sample.V + 0.01 / pull.colwise().norm().maxCoeff() * pull), energy);
+}
+
+TEST(CoverageTermTest, PointsOutOfReachTakeNoPart) {
+  // Edges of 0.2. Two points beside the boundary, two over the middle, one of each too far.
+  const SubdivSample sample = SampleOf(testing::OpenDisk(5));
+  PointCloud cloud;
+  cloud.points.resize(3, 4);
+  cloud.points << 1.15f, 1.35f, 0, 0, 0, 0, 0, 0, 0, 0, 0.3f, 0.5f;
+  cloud.normals = Eigen::Vector3f::UnitZ().replicate(1, 4);
+  Covered covered(sample, cloud);
+  covered.term.Assign(sample.V);
+  EXPECT_TRUE(covered.term.is_used(0));
+  EXPECT_FALSE(covered.term.is_used(1));
+  EXPECT_TRUE(covered.term.is_used(2));
+  EXPECT_FALSE(covered.term.is_used(3));
 }
 
 TEST(CoverageTermTest, PointsOnTheSurfaceHoldItAlongItsNormal) {
