@@ -42,7 +42,7 @@ void CoverageTerm::SetTarget(const PointCloud* target, int64_t points, double we
   weight_ = target != nullptr ? weight : 0;
   kernel_ = scaled_kernel_ = kernel;
   stride_ = 1;
-  if (!is_on()) return;
+  if (target == nullptr || !is_on()) return;
   const int64_t K = std::min(points, target->size());
   points_.resize(3, K);
   normals_.resize(3, K);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -13,8 +14,8 @@ namespace cagefit {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kLattice = 12;  // points of a regular child
-constexpr int kMiddle = 2;    // the child that is turned by half
+constexpr int64_t kLattice = 12;  // points of a regular child
+constexpr int kMiddle = 2;        // the child that is turned by half
 static_assert(kLattice % kJetSize == 0);
 
 // Outer points, in their order behind the ring.
@@ -134,7 +135,7 @@ void IrregularPatch::FromChild(const Descent& at, const BoxSplineWeights& lattic
 template <int count>
 void IrregularPatch::FromTable(const Descent& at, const BoxSplineWeights& lattice,
                                PatchWeights* weights) const {
-  const double* row = &table_[(3 * at.depth + at.child) * point_count() * kLattice];
+  const double* row = &table_[kLattice * point_count() * (3 * at.depth + at.child)];
   for (JetWeights& out : *weights) {
     std::array<double, count> sum = {};
     for (int k = 0; k < kLattice; ++k, ++row) {
@@ -146,10 +147,10 @@ void IrregularPatch::FromTable(const Descent& at, const BoxSplineWeights& lattic
 }
 
 void IrregularPatch::FillTable() {
-  table_.resize(kTabled * 3 * point_count() * kLattice);
+  table_.resize(kLattice * point_count() * 3 * kTabled);
   PatchWeights weights, coarse;
   for (int child = 0; child < 3; ++child) {
-    for (int begin = 0; begin < kLattice; begin += kJetSize) {
+    for (int64_t begin = 0; begin < kLattice; begin += kJetSize) {
       BoxSplineWeights lattice = {};
       for (int c = 0; c < kJetSize; ++c) lattice[begin + c][c] = 1;
       weights.assign(point_count(), JetWeights{});
@@ -157,7 +158,7 @@ void IrregularPatch::FillTable() {
       AddChild(child, lattice, kJetSize, &fine, &weights);
       CarryBack(kJetSize, fine, &weights);
       for (int depth = 0; depth < kTabled; ++depth) {
-        double* const table = &table_[(3 * depth + child) * point_count() * kLattice];
+        double* const table = &table_[kLattice * point_count() * (3 * depth + child)];
         for (int j = 0; j < point_count(); ++j) {
           std::copy(weights[j].begin(), weights[j].end(), table + j * kLattice + begin);
         }

@@ -22,6 +22,7 @@ struct Holes {
 Holes WithHoles(const PointCloud& cloud, double share) {
   Random random(4);
   std::vector<Eigen::Vector3f> centres;
+  centres.reserve(kPatches);
   for (int k = 0; k < kPatches; ++k) {
     centres.push_back(cloud.points.col(
         static_cast<int64_t>(random.Uniform() * static_cast<double>(cloud.size()))));
