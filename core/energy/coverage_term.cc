@@ -18,15 +18,6 @@ constexpr double kStay = 4;
 // Mean edges of the control mesh.
 constexpr double kReach = 2, kBoundaryReach = 1;
 
-double MeanEdgeLength(const Topology& topology, const Points3d& V) {
-  double sum = 0;
-  for (int32_t e = 0; e < topology.edge_count(); ++e) {
-    const auto& [a, b] = topology.edge(e);
-    sum += (V.col(a) - V.col(b)).norm();
-  }
-  return sum / topology.edge_count();
-}
-
 }  // namespace
 
 CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance)

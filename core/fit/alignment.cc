@@ -75,13 +75,14 @@ class Aligner {
   Aligner(OrientedPoints surface, const PointCloud& target)
       : surface_(std::move(surface)),
         target_(Sample(target)),
+        spread_(SpreadOf(target_.points)),
         cloud_(target),
         cloud_tree_(target.points),
         surface_points_(surface_.points.cast<float>()),
         surface_tree_(surface_points_) {}
 
   Similarity ByCentroid() const {
-    const Spread from = SpreadOf(surface_.points), to = SpreadOf(target_.points);
+    const Spread from = SpreadOf(surface_.points), &to = spread_;
     Similarity T;
     T.scale = to.radius / from.radius;
     T.translation = to.centroid - T.scale * from.centroid;
@@ -154,8 +155,7 @@ class Aligner {
   // One Gauss-Newton step: x moves by w x (x - c) + t + s (x - c), c the centroid of the points.
   // Returns how far, in root mean square.
   double Step(double scale, Similarity* T) const {
-    const Spread spread = SpreadOf(target_.points);
-    const Eigen::Vector3d& c = spread.centroid;
+    const Eigen::Vector3d& c = spread_.centroid;
     Eigen::Matrix<double, 7, 7> A = decltype(A)::Zero();
     Vector7d b = Vector7d::Zero();
     for (int side = 0; side < 2; ++side) {
@@ -168,7 +168,7 @@ class Aligner {
         if (pair.agreement <= 0) continue;
         const double root = 1 + pair.offset.squaredNorm() / (scale * scale);
         const double weight = pair.agreement / (root * root * static_cast<double>(count));
-        const Eigen::Vector3d arm = (pair.x - c) / spread.radius;
+        const Eigen::Vector3d arm = (pair.x - c) / spread_.radius;
         Vector7d J;
         J << arm.cross(pair.normal), pair.normal, arm.dot(pair.normal);
         A += weight * J * J.transpose();
@@ -178,8 +178,8 @@ class Aligner {
     A.diagonal().array() += kDamping * A.trace() + 1e-300;
     const Vector7d x = A.ldlt().solve(b);
     Similarity step;
-    step.scale = std::clamp(1 + x[6] / spread.radius, 0.5, 2.0);
-    const Eigen::Vector3d turn = x.head<3>() / spread.radius;
+    step.scale = std::clamp(1 + x[6] / spread_.radius, 0.5, 2.0);
+    const Eigen::Vector3d turn = x.head<3>() / spread_.radius;
     if (turn.norm() > 0) {
       step.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
     }
@@ -191,6 +191,7 @@ class Aligner {
   }
 
   const OrientedPoints surface_, target_;
+  const Spread spread_;  // of the target
   const PointCloud& cloud_;
   const KdTree cloud_tree_;
   const Points3f surface_points_;

@@ -102,7 +102,7 @@ class HeldMinimizer {
     const bool covers = objective_->coverage() != nullptr && objective_->coverage()->is_on();
     if (covers) return FollowFeet(V, energies, iterations);
     RETURN_IF_ERROR(Solve(options_.max_iterations - *iterations, V, iterations));
-    *energies = objective_->Evaluate(*V, &half_gradient_);
+    *energies = objective_->Evaluate(*V, nullptr);
     return absl::OkStatus();
   }
 
@@ -120,8 +120,8 @@ class HeldMinimizer {
       const Points3d before = *V;
       ceres_.initial_trust_region_radius = trust_region;
       RETURN_IF_ERROR(Solve(1, V, iterations));
-      const double promised = energies->total() - objective_->Evaluate(*V, &half_gradient_).total();
-      const Energies tried = objective_->AssignFeet(*V, &half_gradient_);
+      const double promised = energies->total() - objective_->Evaluate(*V, nullptr).total();
+      const Energies tried = objective_->AssignFeet(*V, nullptr);
       const double decrease = energies->total() - tried.total();
       const bool accepted = decrease > 0;
       const double gain = accepted ? decrease : promised;
@@ -132,7 +132,7 @@ class HeldMinimizer {
         trust_region /= 4;
       }
       if (!accepted) *V = before;
-      *energies = accepted ? tried : objective_->AssignFeet(*V, &half_gradient_);
+      *energies = accepted ? tried : objective_->AssignFeet(*V, nullptr);
     }
     return absl::OkStatus();
   }
@@ -157,7 +157,6 @@ class HeldMinimizer {
   CancelCallback callback_;
   ceres::Solver::Options ceres_;
   Objective* objective_;
-  Points3d half_gradient_;  // not read
 };
 
 }  // namespace
@@ -165,14 +164,13 @@ class HeldMinimizer {
 absl::StatusOr<Minimization> MinimizeCeres(const SolverOptions& options, const CancelFn& cancelled,
                                            Objective* objective, Points3d* V) {
   Minimization out;
-  Points3d half_gradient;
-  out.initial = out.final = objective->Assign(*V, &half_gradient);
+  out.initial = out.final = objective->Assign(*V, nullptr);
   HeldMinimizer minimizer(options, cancelled, objective);
   while (out.iterations < options.max_iterations && !out.converged) {
     if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
     const double before = out.final.total();
     RETURN_IF_ERROR(minimizer.Minimize(V, &out.final, &out.iterations));
-    out.final = objective->Assign(*V, &half_gradient);
+    out.final = objective->Assign(*V, nullptr);
     out.converged = std::abs(before - out.final.total()) <= options.relative_decrease * before;
   }
   return out;

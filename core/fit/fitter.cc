@@ -119,16 +119,8 @@ struct Fitter::State {
   // start afresh, so that the result depends on nothing but the arguments.
   void SetRest(const Points3d& V) {
     if (options.arap.rest == RestMesh::kPreviousFrame) return objective.SetRest(V);
-    const double ratio = EdgeSum(V) / EdgeSum(rest);
+    const double ratio = MeanEdgeLength(mesh.topology(), V) / MeanEdgeLength(mesh.topology(), rest);
     objective.SetRest(std::abs(std::log(ratio)) > kSameSize ? Points3d(ratio * rest) : rest);
-  }
-  double EdgeSum(const Points3d& V) const {
-    double sum = 0;
-    for (int32_t e = 0; e < mesh.topology().edge_count(); ++e) {
-      const auto& [a, b] = mesh.topology().edge(e);
-      sum += (V.col(a) - V.col(b)).norm();
-    }
-    return sum;
   }
 
   absl::StatusOr<Minimization> Minimize(const CancelFn& cancelled, Points3d* V) {

@@ -57,10 +57,13 @@ absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& nor
       std::max(kKernelScalePerNoise * noise_, kLeastKernelScale * index_.spacing());
   target_.kernel = {distance.kernel,
                     distance.kernel_scale > 0 ? distance.kernel_scale * scale_ : kernel_scale};
-  DrawCovered(
-      std::max(kLeastCoveragePoints, options.coverage.points_per_vertex * control_vertices));
-  target_.covered = &covered_;
   target_.coverage_weight = options.coverage.weight;
+  target_.covered = nullptr;
+  if (options.coverage.weight > 0) {
+    DrawCovered(
+        std::max(kLeastCoveragePoints, options.coverage.points_per_vertex * control_vertices));
+    target_.covered = &covered_;
+  }
   return absl::OkStatus();
 }
 

@@ -47,7 +47,7 @@ class Objective {
 
   // Chooses radius and branch of every sample and the foot of every covered point at V (3 x n),
   // where Evaluate was last called or the target or the coarseness is new, and returns the energies
-  // under that choice with half their gradient (3 x n).
+  // under that choice with half their gradient (3 x n) unless that is null, as below.
   Energies Assign(const Points3d& V, Points3d* half_gradient);
 
   // As Assign at any V, but with the feet of the last Assign.
@@ -56,8 +56,7 @@ class Objective {
   // As Assign at any V, but with the radii and branches of the last Assign.
   Energies AssignFeet(const Points3d& V, Points3d* half_gradient);
 
-  // Energies at V with the choices of the last Assign, and half their gradient (3 x n) unless that
-  // is null.
+  // Energies at V with the choices of the last Assign, and half their gradient.
   Energies Evaluate(const Points3d& V, Points3d* half_gradient);
 
   // As Evaluate, at V where the objective was last evaluated or assigned: after another alpha was

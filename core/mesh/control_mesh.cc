@@ -74,4 +74,13 @@ ControlMesh ControlMesh::WithVertices(Points3d vertices) const {
   return mesh;
 }
 
+double MeanEdgeLength(const Topology& topology, const Points3d& V) {
+  double sum = 0;
+  for (int32_t e = 0; e < topology.edge_count(); ++e) {
+    const auto& [a, b] = topology.edge(e);
+    sum += (V.col(a) - V.col(b)).norm();
+  }
+  return sum / topology.edge_count();
+}
+
 }  // namespace cagefit

@@ -45,6 +45,9 @@ class ControlMesh {
   CreaseTags tags_;
 };
 
+// Of the edges of `topology` with its vertices at V (3 x n).
+double MeanEdgeLength(const Topology& topology, const Points3d& V);
+
 }  // namespace cagefit
 
 #endif  // CAGEFIT_CORE_MESH_CONTROL_MESH_H_

@@ -15,25 +15,25 @@
 #include "client/io/geometry_file.h"
 #include "core/base/status.h"
 #include "core/cloud/normals.h"
+#include "core/mesh/triangle_quality.h"
 #include "core/template/template_maker.h"
 
 namespace cagefit {
 namespace {
 
 struct Triangle {
-  double quality;  // 4 sqrt(3) area / sum of squared sides
-  double angle;    // the smallest, degrees
+  double quality;
+  double angle;  // the smallest, degrees
 };
 
 Triangle Measure(const Eigen::Matrix3d& p) {
   const Eigen::Vector3d sides[3] = {p.col(1) - p.col(0), p.col(2) - p.col(1), p.col(0) - p.col(2)};
-  double squares = 0, angle = M_PI;
+  double angle = M_PI;
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d u = sides[k], w = -sides[(k + 2) % 3];
-    squares += u.squaredNorm();
     angle = std::min(angle, std::atan2(u.cross(w).norm(), u.dot(w)));
   }
-  return {2 * std::sqrt(3.0) * sides[0].cross(sides[1]).norm() / squares, angle * 180 / M_PI};
+  return {TriangleQuality(p.col(0), p.col(1), p.col(2)), angle * 180 / M_PI};
 }
 
 absl::StatusOr<ControlMesh> Make(const client::Geometry& geometry, int32_t vertices,

@@ -366,4 +366,13 @@ TriangleMesh TouchingHubs() {
   return HubMaker(std::move(mesh), targets).Make();
 }
 
+TriangleMesh Together(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh both;
+  both.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
+  both.vertices << a.vertices, b.vertices;
+  both.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
+  both.triangles << a.triangles, b.triangles.array() + static_cast<int32_t>(a.vertices.cols());
+  return both;
+}
+
 }  // namespace cagefit::testing

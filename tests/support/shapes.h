@@ -45,6 +45,9 @@ TriangleMesh MixedValences(uint32_t seed = 1);
 // strip of triangles: each touches two to four others.
 TriangleMesh TouchingHubs();
 
+// Puts `b` beside `a` without joining anything.
+TriangleMesh Together(const TriangleMesh& a, const TriangleMesh& b);
+
 }  // namespace cagefit::testing
 
 #endif  // CAGEFIT_TESTS_SUPPORT_SHAPES_H_

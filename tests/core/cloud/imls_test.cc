@@ -5,22 +5,10 @@
 #include <cmath>
 #include <random>
 
+#include "tests/core/cloud/sphere_cloud.h"
+
 namespace cagefit {
 namespace {
-
-// Points on the unit sphere, evenly spread (Fibonacci), with outward normals.
-PointCloud SphereCloud(int64_t count) {
-  PointCloud cloud;
-  cloud.points.resize(3, count);
-  for (int64_t i = 0; i < count; ++i) {
-    const double z = 1 - (2.0 * static_cast<double>(i) + 1) / static_cast<double>(count);
-    const double a = 2.399963229728653 * static_cast<double>(i);
-    const double r = std::sqrt(1 - z * z);
-    cloud.points.col(i) = Eigen::Vector3d(r * std::cos(a), r * std::sin(a), z).cast<float>();
-  }
-  cloud.normals = cloud.points;
-  return cloud;
-}
 
 // The formula of the header, term by term.
 double NaiveImls(const PointCloud& cloud, const Eigen::Vector3d& x, double h) {
@@ -36,7 +24,7 @@ double NaiveImls(const PointCloud& cloud, const Eigen::Vector3d& x, double h) {
 }
 
 TEST(ImlsTest, EqualsTheFormula) {
-  const PointCloud cloud = SphereCloud(3000);
+  const PointCloud cloud = testing::SphereCloud(3000);
   CellGrid grid;
   grid.Build(cloud, 0.2);
   std::mt19937 random(1);
@@ -55,7 +43,7 @@ TEST(ImlsTest, EqualsTheFormula) {
 
 TEST(ImlsTest, GradientAgreesWithFiniteDifferences) {
   CellGrid grid;
-  grid.Build(SphereCloud(3000), 0.2);
+  grid.Build(testing::SphereCloud(3000), 0.2);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int q = 0; q < 100; ++q) {
@@ -92,13 +80,13 @@ TEST(ImlsTest, IsExactOnAPlane) {
 
 TEST(ImlsTest, ReportsNoSupportBeyondTheRadius) {
   CellGrid grid;
-  grid.Build(SphereCloud(500), 0.2);
+  grid.Build(testing::SphereCloud(500), 0.2);
   EXPECT_EQ(EvaluateImls(grid, Eigen::Vector3d(2, 0, 0), 0.5).support, 0);
   EXPECT_EQ(EvaluateImls(grid, Eigen::Vector3d(1e9, 0, 0), 0.5).support, 0);
 }
 
 TEST(ImlsTest, NearestIsTheDistanceToTheNearestPoint) {
-  const PointCloud cloud = SphereCloud(500);
+  const PointCloud cloud = testing::SphereCloud(500);
   CellGrid grid;
   grid.Build(cloud, 0.3);
   const Eigen::Vector3d x(0.3, 0.9, -0.4);

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/spoiled_cloud.h"
 #include "tests/support/shapes.h"
+#include "tests/support/spoiled_cloud.h"
 
 namespace cagefit {
 namespace {

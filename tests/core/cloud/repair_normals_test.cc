@@ -5,10 +5,10 @@
 
 #include <string>
 
-#include "tests/support/spoiled_cloud.h"
 #include "tests/support/data.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/shapes.h"
+#include "tests/support/spoiled_cloud.h"
 
 namespace cagefit {
 namespace {

@@ -7,23 +7,10 @@
 #include <initializer_list>
 
 #include "core/base/random.h"
+#include "tests/core/cloud/sphere_cloud.h"
 
 namespace cagefit {
 namespace {
-
-// Points on the unit sphere, evenly spread (Fibonacci), with outward normals.
-PointCloud SphereCloud(int64_t count) {
-  PointCloud cloud;
-  cloud.points.resize(3, count);
-  for (int64_t i = 0; i < count; ++i) {
-    const double z = 1 - (2.0 * static_cast<double>(i) + 1) / static_cast<double>(count);
-    const double a = 2.399963229728653 * static_cast<double>(i);
-    const double r = std::sqrt(1 - z * z);
-    cloud.points.col(i) = Eigen::Vector3d(r * std::cos(a), r * std::sin(a), z).cast<float>();
-  }
-  cloud.normals = cloud.points;
-  return cloud;
-}
 
 // Uniform on the square [-1, 1]^2 in z = 0, normals +z.
 PointCloud PlaneCloud(int64_t count) {
@@ -92,7 +79,7 @@ Eigen::Vector3d NearUnitSphere(Random* random, double margin) {
 }
 
 TEST(RimlsTest, EqualsTheFormula) {
-  const PointCloud cloud = SphereCloud(3000);
+  const PointCloud cloud = testing::SphereCloud(3000);
   const CellGrid grid = GridOf(cloud, 0.2);
   Random random(1);
   for (int q = 0; q < 100; ++q) {
@@ -112,7 +99,7 @@ TEST(RimlsTest, EqualsTheFormula) {
 }
 
 TEST(RimlsTest, GradientAtAHeldReferenceAgreesWithFiniteDifferences) {
-  for (const PointCloud& cloud : {SphereCloud(3000), CubeCloud(40)}) {
+  for (const PointCloud& cloud : {testing::SphereCloud(3000), CubeCloud(40)}) {
     const CellGrid grid = GridOf(cloud, 0.2);
     Random random(2);
     for (int q = 0; q < 100; ++q) {
@@ -147,7 +134,7 @@ TEST(RimlsTest, IsExactOnAPlane) {
 }
 
 TEST(RimlsTest, IsTheDistanceToASphereButForItsCurvature) {
-  const CellGrid grid = GridOf(SphereCloud(20000), 0.1);
+  const CellGrid grid = GridOf(testing::SphereCloud(20000), 0.1);
   Random random(4);
   for (const double h : {0.1, 0.2}) {
     for (int q = 0; q < 100; ++q) {
@@ -220,7 +207,7 @@ TEST(RimlsTest, OutliersCountLittle) {
 }
 
 TEST(RimlsTest, ReferenceIsZeroWhereNoPointIsWithinTheRadius) {
-  const CellGrid grid = GridOf(SphereCloud(500), 0.2);
+  const CellGrid grid = GridOf(testing::SphereCloud(500), 0.2);
   const Eigen::Vector3d x(2, 0, 0);
   const RimlsReference reference = SolveRimls(grid, x, 0.5, {});
   EXPECT_EQ(reference.value, 0);

@@ -8,16 +8,6 @@
 namespace cagefit {
 namespace {
 
-// Puts `b` beside `a` without joining anything.
-TriangleMesh Together(const TriangleMesh& a, const TriangleMesh& b) {
-  TriangleMesh both;
-  both.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
-  both.vertices << a.vertices, b.vertices;
-  both.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
-  both.triangles << a.triangles, b.triangles.array() + static_cast<int32_t>(a.vertices.cols());
-  return both;
-}
-
 // Each triangle with three vertices of its own, as in an STL file.
 TriangleMesh Soup(const TriangleMesh& mesh) {
   TriangleMesh soup;
@@ -62,15 +52,17 @@ TEST(MeshRepairTest, SplitsAVertexWhereTwoFansMeet) {
   TriangleMesh other = testing::OpenGrid(1);
   other.vertices.colwise() += Eigen::Vector3d(1, 1, 0);  // shares the corner (1, 1, 0)
   RepairReport report;
-  const TriangleMesh repaired = MakeManifold(Together(testing::OpenGrid(1), other), &report);
+  const TriangleMesh repaired =
+      MakeManifold(testing::Together(testing::OpenGrid(1), other), &report);
   EXPECT_EQ(repaired.triangles.cols(), 4);
   EXPECT_EQ(report.split_vertices, 1);
   EXPECT_TRUE(IsManifold(repaired));
 }
 
 TEST(MeshRepairTest, KeepsTheLargeComponents) {
-  const TriangleMesh mesh = Together(
-      testing::Icosphere(2), Together(testing::Icosphere(1, 0.5), testing::Icosphere(1, 0.05)));
+  const TriangleMesh mesh =
+      testing::Together(testing::Icosphere(2),
+                        testing::Together(testing::Icosphere(1, 0.5), testing::Icosphere(1, 0.05)));
   int kept = 0, dropped = 0;
   const TriangleMesh large = KeepLargeComponents(mesh, 0.01, &kept, &dropped);
   EXPECT_EQ(kept, 2);

@@ -59,20 +59,12 @@ void ExpectContract(const ControlMesh& cage, int32_t vertices, const TemplateRep
   EXPECT_EQ(topology.Components(&ignored), report.components_kept);
 }
 
-TriangleMesh Together(const TriangleMesh& a, const TriangleMesh& b) {
-  TriangleMesh both;
-  both.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
-  both.vertices << a.vertices, b.vertices;
-  both.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
-  both.triangles << a.triangles, b.triangles.array() + static_cast<int32_t>(a.vertices.cols());
-  return both;
-}
-
 TEST(TemplateContractTest, HoldsForMeshes) {
   TriangleMesh small = testing::Icosphere(3, 0.3), tiny = testing::Icosphere(3, 0.01);
   small.vertices.colwise() += Eigen::Vector3d(2, 0, 0);
   tiny.vertices.colwise() += Eigen::Vector3d(0, 2, 0);
-  const TriangleMesh parts = Together(Together(testing::Icosphere(4), small), tiny);
+  const TriangleMesh parts =
+      testing::Together(testing::Together(testing::Icosphere(4), small), tiny);
   struct Case {
     const char* name;
     TriangleMesh mesh;
@@ -171,10 +163,11 @@ TEST(TemplateContractTest, HoldsForClouds) {
     PointCloud cloud;
     int loops, parts;
   };
-  const Case cases[] = {{"without normals", bare, 0, 1},
-                        {"with outliers", noisy, 0, 1},
-                        {"open", CloudFromMesh(testing::Tube(160, 130)), 2, 1},
-                        {"two parts", CloudFromMesh(Together(testing::Icosphere(5), other)), 0, 2}};
+  const Case cases[] = {
+      {"without normals", bare, 0, 1},
+      {"with outliers", noisy, 0, 1},
+      {"open", CloudFromMesh(testing::Tube(160, 130)), 2, 1},
+      {"two parts", CloudFromMesh(testing::Together(testing::Icosphere(5), other)), 0, 2}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     TemplateReport report;
