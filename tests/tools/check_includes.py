@@ -11,19 +11,20 @@ ALLOWED = {
     "core/mesh": ["core/base"],
     "core/subdiv": ["core/base", "core/mesh"],
     "core/cloud": ["core/base", "core/mesh"],
-    "core/codec": ["core/base", "core/mesh", "core/cloud"],
+    "core/image": ["core/base", "core/mesh", "core/cloud"],
+    "core/codec": ["core/base", "core/mesh", "core/cloud", "core/image"],
     "core/template": ["core/base", "core/mesh", "core/subdiv", "core/cloud"],
-    "core/energy": ["core/base", "core/mesh", "core/subdiv", "core/cloud"],
+    "core/energy": ["core/base", "core/mesh", "core/subdiv", "core/cloud", "core/image"],
     "core/metrics": ["core/base", "core/mesh", "core/subdiv", "core/cloud"],
-    "core/fit": ["core/base", "core/mesh", "core/subdiv", "core/cloud", "core/energy"],
+    "core/fit": ["core/base", "core/mesh", "core/subdiv", "core/cloud", "core/image", "core/energy"],
 }
 CORE = sorted(ALLOWED)
-ALLOWED["server/session"] = ["core/base", "core/mesh", "core/subdiv", "core/cloud", "core/fit", "core/codec",
-                             "core/metrics"]
+ALLOWED["server/session"] = ["core/base", "core/mesh", "core/subdiv", "core/cloud", "core/image", "core/fit",
+                             "core/codec", "core/metrics"]
 ALLOWED["server/transport"] = ["server/session", "cagefit/v1"] + ALLOWED["server/session"]
 ALLOWED["server"] = ["server/transport"] + ALLOWED["server/transport"]
 CLIENT_CORE = [f for f in CORE if f not in ("core/energy", "core/fit")]
-ALLOWED["client/io"] = ["core/base", "core/mesh", "core/cloud", "core/codec"]
+ALLOWED["client/io"] = ["core/base", "core/mesh", "core/cloud", "core/image", "core/codec"]
 ALLOWED["client/synth"] = ["client/io"] + CLIENT_CORE
 ALLOWED["client"] = ["client/io", "client/synth", "client/commands", "cagefit/v1"] + CLIENT_CORE
 ALLOWED["client/commands"] = ["client"] + ALLOWED["client"]
@@ -33,6 +34,7 @@ EMBEDDED = re.compile(r"client/embedded_server\.(h|cc)$")
 # Library -> where it may be included.
 LIBRARIES = {
     r"draco/": ["core/codec"],
+    r"png\.h": ["core/codec"],
     r"nanoflann": ["core/cloud/kd_tree.cc"],
     r"open3d/": ["core/template", "client/io"],
     r"ceres/": ["core/fit"],
