@@ -2,6 +2,7 @@
 #ifndef CAGEFIT_CORE_IMAGE_IMAGE_H_
 #define CAGEFIT_CORE_IMAGE_IMAGE_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
