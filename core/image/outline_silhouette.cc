@@ -1,0 +1,114 @@
+#include "core/image/outline_silhouette.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/image/cross2.h"
+
+namespace cagefit {
+
+namespace {
+
+constexpr int64_t kRowGrain = 16;
+constexpr double kSaturated = 1e-4;
+// Sine of the angle between two edges below which their crossing is not followed: it would move
+// without bound.
+constexpr double kLeastSine = 1e-3;
+
+double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+
+Eigen::Vector2d Normal(const Eigen::Vector2d& along) {
+  return Eigen::Vector2d(-along[1], along[0]).normalized();
+}
+
+}  // namespace
+
+double OutlineReach(double sigma) { return std::sqrt(std::log(1 / kSaturated - 1) * sigma); }
+
+void OutlineSilhouette::Render(const ProjectedMesh& mesh, const Triangles& triangles,
+                               const MeshEdges& edges, const TriangleTiles& tiles,
+                               const DepthBuffer& depths, double sigma, Image* silhouette) {
+  const int width = depths.width(), height = depths.height();
+  const double half_side = 0.5 * std::min(width, height);
+  const double reach = half_side * OutlineReach(sigma);
+  const double variance = sigma * half_side * half_side;  // pixels^2
+  outline_.Find(mesh, triangles, edges, tiles, width, height, reach);
+  MeasureOutline(outline_.outline(), width, height, reach, &distance_);
+  if (silhouette->width != width || silhouette->height != height || silhouette->channels != 1) {
+    *silhouette = Image(width, height);
+  }
+  found_.resize((height + kRowGrain - 1) / kRowGrain);
+  ParallelFor(height, kRowGrain, [&](int64_t begin, int64_t end) {
+    std::vector<Row>& rows = found_[begin / kRowGrain];
+    rows.clear();
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < width; ++x) {
+        const bool inside = depths.IsCovered(x, y);
+        const int32_t pixel = y * width + x;
+        float* A = silhouette->at(x, y);
+        if (distance_.segment[pixel] < 0) {
+          *A = inside ? 1 : 0;
+          continue;
+        }
+        const double d = distance_.distance[pixel];
+        *A = static_cast<float>(Sigmoid((inside ? d : -d) * d / variance));
+        if (d > 0) AddRows(mesh, edges, pixel, Eigen::Vector2d(x, y), inside, variance, &rows);
+      }
+    }
+  });
+  rows_.clear();
+  for (const std::vector<Row>& rows : found_) rows_.insert(rows_.end(), rows.begin(), rows.end());
+}
+
+void OutlineSilhouette::AddRows(const ProjectedMesh& mesh, const MeshEdges& edges, int32_t pixel,
+                                const Eigen::Vector2d& p, bool inside, double variance,
+                                std::vector<Row>* rows) const {
+  const MeshOutline::Piece& piece = outline_.pieces()[distance_.segment[pixel]];
+  const auto ends = [&](int32_t edge, Eigen::Vector2d* a, Eigen::Vector2d* along) {
+    const auto& [va, vb] = edges.vertices(edge);
+    *a = mesh.points.col(va).head<2>();
+    *along = mesh.points.col(vb).head<2>() - *a;
+  };
+  Eigen::Vector2d a, along;
+  ends(piece.edge, &a, &along);
+  const double free = (p - a).dot(along) / along.squaredNorm();
+  const double t = std::clamp(free, piece.t0, piece.t1);
+  const Eigen::Vector2d from = p - (a + t * along);
+  const double d = from.norm();
+  if (!(d > 0)) return;
+  const double value = Sigmoid((inside ? d : -d) * d / variance);
+  const double slope = value * (1 - value) * 2 * d / variance;
+  const Eigen::Vector2d by_point = (inside ? -slope : slope) / d * from;
+  const int32_t crossing = free < piece.t0   ? piece.crossing0
+                           : free > piece.t1 ? piece.crossing1
+                                             : -1;
+  if (crossing >= 0) {
+    Eigen::Vector2d e, across;
+    ends(crossing, &e, &across);
+    Eigen::Matrix2d M;
+    M << Normal(along).transpose(), Normal(across).transpose();
+    if (std::abs(M.determinant()) >= kLeastSine) {
+      const double u = std::clamp(Cross2(e - a, along) / Cross2(along, across), 0.0, 1.0);
+      const Eigen::Vector2d share = M.transpose().inverse() * by_point;
+      rows->push_back({pixel, piece.edge, t, share[0] * M.row(0).transpose(), 2});
+      rows->push_back({pixel, crossing, u, share[1] * M.row(1).transpose(), 2});
+      return;
+    }
+  }
+  rows->push_back({pixel, piece.edge, t, by_point, 1});
+}
+
+void OutlineSilhouette::AddGradient(const MeshEdges& edges, const Image& by_silhouette,
+                                    Points2d* by_vertex) const {
+  for (const Row& row : rows_) {
+    const double seed = by_silhouette.values[row.pixel];
+    if (seed == 0) continue;
+    const auto& [a, b] = edges.vertices(row.edge);
+    by_vertex->col(a) += seed * (1 - row.t) * row.by_point;
+    by_vertex->col(b) += seed * row.t * row.by_point;
+  }
+}
+
+}  // namespace cagefit
