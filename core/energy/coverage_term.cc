@@ -4,7 +4,6 @@
 
 #include "core/base/parallel.h"
 #include "core/subdiv/child_point.h"
-#include "core/subdiv/refine.h"
 
 namespace cagefit {
 
@@ -20,11 +19,11 @@ constexpr double kReach = 2, kBoundaryReach = 1;
 
 }  // namespace
 
-CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance)
+CoverageTerm::CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance,
+                           std::shared_ptr<const RefinedSurface> m1)
     : foot_tolerance_(foot_tolerance),
       surface_(topology, tags),
-      m1_(RefineOnce(topology, tags).topology),
-      stencils_(BuildLimitMesh(topology, tags, 1).position),
+      m1_(m1 != nullptr ? std::move(m1) : std::make_shared<RefinedSurface>(topology, tags)),
       projector_(&surface_, tags, foot_tolerance),
       refinement_transposed_(surface_.refinement().transpose()) {}
 
@@ -190,21 +189,19 @@ void CoverageTerm::AddHalfGradient(Points3d* half_gradient) const {
   });
 }
 
-void CoverageTerm::Linearize(Blocks* blocks) const {
-  blocks->vertex.assign(m1_.vertex_count(), Eigen::Matrix3f::Zero());
-  blocks->lumped.assign(m1_.vertex_count(), Eigen::Matrix3f::Zero());
-  blocks->edge.assign(m1_.edge_count(), Eigen::Matrix3f::Zero());
+void CoverageTerm::AddBlocks(SurfaceBlocks* blocks) const {
   if (!is_on()) return;
+  const Topology& m1 = m1_->topology;
   const double scale = PointWeight();
   for (const Foot& foot : feet_) {
     if (!foot.used) continue;
     const Eigen::Vector3f d = foot.direction.cast<float>(), b = foot.barycentric.cast<float>();
     const Eigen::Matrix3f D = static_cast<float>(scale * foot.weight) * d * d.transpose();
     for (int c = 0; c < 3; ++c) {
-      const int32_t v = m1_.triangles()(c, foot.triangle);
+      const int32_t v = m1.triangles()(c, foot.triangle);
       blocks->vertex[v] += b[c] * b[c] * D;
       blocks->lumped[v] += b[c] * D;
-      blocks->edge[m1_.triangle_edge(foot.triangle, c)] += b[c] * b[(c + 1) % 3] * D;
+      blocks->edge[m1.triangle_edge(foot.triangle, c)] += b[c] * b[(c + 1) % 3] * D;
     }
   }
 }

@@ -28,14 +28,15 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "absl/types/span.h"
 #include "core/cloud/point_cloud.h"
+#include "core/energy/refined_surface.h"
 #include "core/energy/robust_kernel.h"
 #include "core/mesh/control_mesh.h"
-#include "core/subdiv/limit.h"
 #include "core/subdiv/limit_surface.h"
 #include "core/subdiv/surface_projector.h"
 
@@ -47,7 +48,9 @@ class CoverageTerm {
   // Feet are sought to within `foot_tolerance`, relative to the longest edge of their control
   // triangle, and again when they have moved four times as far. Along the normal a foot that is off
   // by e changes the distance by the surface's curvature times e^2 / 2.
-  CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance = 1e-5);
+  // `m1` is that of the same mesh; null: made here.
+  CoverageTerm(const Topology& topology, const CreaseTags& tags, double foot_tolerance = 1e-5,
+               std::shared_ptr<const RefinedSurface> m1 = nullptr);
   CoverageTerm(const CoverageTerm&) = delete;
 
   // Copies at most `points` points of `target` (with normals), evenly spread over their order.
@@ -70,17 +73,9 @@ class CoverageTerm {
   // Adds half the gradient of the last evaluation (3 x n).
   void AddHalfGradient(Points3d* half_gradient) const;
 
-  // Limit positions of M1's vertices: rows over the control vertices, at which the Gauss-Newton
-  // matrix has its blocks. Edges of M1 in the order of m1().
-  const StencilMatrix& stencils() const { return stencils_; }
-  const Topology& m1() const { return m1_; }
-  // The blocks of the last evaluation, all symmetric.
-  struct Blocks {
-    std::vector<Eigen::Matrix3f> vertex;  // sum_k b_kc^2 w_k d_k d_k^T
-    std::vector<Eigen::Matrix3f> edge;    // sum_k b_kc b_kc' w_k d_k d_k^T
-    std::vector<Eigen::Matrix3f> lumped;  // of a vertex, its row's sum: sum_k b_kc w_k d_k d_k^T
-  };
-  void Linearize(Blocks* blocks) const;
+  const std::shared_ptr<const RefinedSurface>& m1() const { return m1_; }
+  // Adds the blocks of the last evaluation.
+  void AddBlocks(SurfaceBlocks* blocks) const;
 
   // One point of the target that takes part, for solvers that want its row: over the points of
   // LimitSurface::ControlPoints.
@@ -121,8 +116,7 @@ class CoverageTerm {
 
   const double foot_tolerance_;
   LimitSurface surface_;
-  Topology m1_;
-  StencilMatrix stencils_;
+  std::shared_ptr<const RefinedSurface> m1_;
   SurfaceProjector projector_;
   StencilMatrix refinement_transposed_;
   double weight_ = 0;

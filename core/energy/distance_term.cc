@@ -13,7 +13,8 @@ constexpr int64_t kGrain = 512;  // samples a chunk: some 0.2 ms
 }  // namespace
 
 void DistanceTerm::SetTarget(const TargetIndex* target, double far_radius, int64_t control_vertices,
-                             Field field, const RobustKernel& kernel) {
+                             Field field, const RobustKernel& kernel, double term_weight) {
+  term_weight_ = term_weight;
   field_ = field;
   target_ = target;
   radius_ = target->radius();
@@ -36,7 +37,11 @@ double DistanceTerm::Energy(SampleResiduals* r) const {
 double DistanceTerm::Assign(const Points3d& Q, std::vector<SampleResiduals>* residuals) {
   const bool evaluated = static_cast<int64_t>(residuals->size()) == Q.cols() &&
                          static_cast<int64_t>(assignments_.size()) == Q.cols();
-  weight_ = static_cast<double>(control_vertices_) / static_cast<double>(Q.cols());
+  weight_ = term_weight_ * static_cast<double>(control_vertices_) / static_cast<double>(Q.cols());
+  if (term_weight_ == 0) {
+    residuals->assign(Q.cols(), SampleResiduals());
+    return 0;
+  }
   assignments_.resize(Q.cols());
   residuals->resize(Q.cols());
   return weight_ * ParallelSum(Q.cols(), kGrain, [&](int64_t begin, int64_t end) {
@@ -71,6 +76,10 @@ SampleResiduals DistanceTerm::AssignSample(const Eigen::Vector3d& x, Assignment*
 }
 
 double DistanceTerm::Evaluate(const Points3d& Q, std::vector<SampleResiduals>* residuals) const {
+  if (term_weight_ == 0) {
+    residuals->assign(Q.cols(), SampleResiduals());
+    return 0;
+  }
   residuals->resize(Q.cols());
   return weight_ * ParallelSum(Q.cols(), kGrain, [&](int64_t begin, int64_t end) {
            double sum = 0;

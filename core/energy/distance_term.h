@@ -46,9 +46,11 @@ class DistanceTerm {
   static constexpr int kMinSupport = 8;
 
   // Refers to `target`, which must outlive the term. Lengths in the target's coordinates. n control
-  // vertices.
+  // vertices. The energy is multiplied by `term_weight`; 0: residuals are 0 and nothing is looked
+  // at.
   void SetTarget(const TargetIndex* target, double far_radius, int64_t control_vertices,
-                 Field field = Field::kImls, const RobustKernel& kernel = {});
+                 Field field = Field::kImls, const RobustKernel& kernel = {},
+                 double term_weight = 1);
 
   // Multiplies h and d0 of the target by `factor` >= 1 from the next Assign on, whose `residuals`
   // must be empty where the factor changed, and the kernel's scale by `kernel_factor`.
@@ -66,7 +68,7 @@ class DistanceTerm {
   // Residuals of sample i at x.
   SampleResiduals EvaluateSample(int64_t i, const Eigen::Vector3d& x) const;
 
-  double weight() const { return weight_; }  // n/m
+  double weight() const { return weight_; }  // n/m, times that of the term
   const RobustKernel& kernel() const { return scaled_kernel_; }
   int64_t grown_samples() const;  // radius doubled at least once
   int64_t far_samples() const;    // in the plane branch
@@ -95,7 +97,7 @@ class DistanceTerm {
   Field field_ = Field::kImls;
   RobustKernel kernel_, scaled_kernel_;
   int64_t control_vertices_ = 0;
-  double weight_ = 0;
+  double term_weight_ = 1, weight_ = 0;
   std::vector<Assignment> assignments_;
 };
 

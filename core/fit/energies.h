@@ -9,7 +9,8 @@ struct Energies {
   double distance = 0;  // E_dist
   double arap = 0;      // alpha E_reg
   double coverage = 0;  // gamma E_cov
-  double total() const { return distance + arap + coverage; }
+  double image = 0;     // beta E_img
+  double total() const { return distance + arap + coverage + image; }
 };
 
 }  // namespace cagefit

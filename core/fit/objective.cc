@@ -37,25 +37,49 @@ StencilMatrix Stack(const StencilMatrix& top, const StencilMatrix& bottom) {
 }  // namespace
 
 Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weight,
-                     std::unique_ptr<CoverageTerm> coverage)
+                     std::unique_ptr<CoverageTerm> coverage, std::unique_ptr<ImageTerm> images)
     : S_(std::move(S)),
       St_(S_.transpose()),
       arap_weight_(arap_weight),
       arap_(topology),
-      coverage_(std::move(coverage)) {
-  if (coverage_ == nullptr || AreEqual(S_, coverage_->stencils())) return;
-  stacked_ = Stack(S_, coverage_->stencils());
-  coverage_begin_ = S_.rows();
+      coverage_(std::move(coverage)),
+      images_(std::move(images)),
+      surface_(coverage_ != nullptr ? coverage_->m1()
+               : images_ != nullptr ? images_->m1()
+                                    : nullptr) {
+  if (surface_ == nullptr || AreEqual(S_, surface_->position)) return;
+  stacked_ = Stack(S_, surface_->position);
+  surface_begin_ = S_.rows();
 }
 
 void Objective::SetTarget(const ObjectiveTarget& target) {
-  distance_.SetTarget(target.index, target.far_radius, S_.cols(), target.field, target.kernel);
+  distance_.SetTarget(target.index, target.far_radius, S_.cols(), target.field, target.kernel,
+                      target.distance_weight);
   if (coverage_ != nullptr) {
     coverage_->SetTarget(target.covered, target.covered != nullptr ? target.covered->size() : 0,
                          target.coverage_weight, target.kernel);
   }
+  if (images_ != nullptr) images_->SetTarget(target.images, target.image_weights, target.frame);
   radius_factor_ = 1;
   residuals_.clear();
+}
+
+void Objective::DrawViews(int64_t iteration) {
+  if (images_ != nullptr) images_->Draw(iteration);
+}
+
+void Objective::UseAllViews() {
+  if (images_ != nullptr) images_->UseAll();
+}
+
+bool Objective::SurfaceBlocksOf(SurfaceBlocks* blocks) const {
+  const bool covers = coverage_ != nullptr && coverage_->is_on();
+  const bool shows = images_ != nullptr && images_->is_on();
+  if (!covers && !shows) return false;
+  blocks->SetZero(surface_->topology);
+  if (covers) coverage_->AddBlocks(blocks);
+  if (shows) images_->AddBlocks(blocks);
+  return true;
 }
 
 void Objective::SetCoarseness(double radius_factor, double kernel_factor, bool is_coarse) {
@@ -69,6 +93,7 @@ Energies Objective::Assign(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Assign(Q_, &residuals_);
   coverage_energy_ = coverage_ != nullptr ? coverage_->Assign(V) : 0;
+  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
   return Reevaluate(V, half_gradient);
 }
 
@@ -77,6 +102,7 @@ Energies Objective::AssignSamples(const Points3d& V, Points3d* half_gradient) {
   residuals_.clear();
   distance_energy_ = distance_.Assign(Q_, &residuals_);
   coverage_energy_ = coverage_ != nullptr ? coverage_->Evaluate(V) : 0;
+  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
   return Reevaluate(V, half_gradient);
 }
 
@@ -84,6 +110,7 @@ Energies Objective::AssignFeet(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Evaluate(Q_, &residuals_);
   coverage_energy_ = coverage_ != nullptr ? coverage_->Assign(V) : 0;
+  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
   return Reevaluate(V, half_gradient);
 }
 
@@ -91,6 +118,7 @@ Energies Objective::Evaluate(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Evaluate(Q_, &residuals_);
   coverage_energy_ = coverage_ != nullptr ? coverage_->Evaluate(V) : 0;
+  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
   return Reevaluate(V, half_gradient);
 }
 
@@ -98,6 +126,7 @@ Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
   Energies energies;
   energies.distance = distance_energy_;
   energies.coverage = coverage_energy_;
+  energies.image = image_energy_;
   if (arap_weight_ > 0) {
     arap_.UpdateRotations(V);
     energies.arap = arap_weight_ * arap_.Evaluate(V, half_gradient);
@@ -121,6 +150,7 @@ Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
     }
   });
   if (coverage_ != nullptr) coverage_->AddHalfGradient(half_gradient);
+  if (images_ != nullptr) images_->AddHalfGradient(half_gradient);
   return energies;
 }
 

@@ -1,5 +1,5 @@
-// The energy that every solver minimises: E_dist + alpha E_reg + gamma E_cov over the control
-// vertices, in unit coordinates.
+// The energy that every solver minimises: E_dist + alpha E_reg + gamma E_cov + beta E_img over the
+// control vertices, in unit coordinates.
 #ifndef CAGEFIT_CORE_FIT_OBJECTIVE_H_
 #define CAGEFIT_CORE_FIT_OBJECTIVE_H_
 
@@ -9,6 +9,8 @@
 #include "core/energy/arap_term.h"
 #include "core/energy/coverage_term.h"
 #include "core/energy/distance_term.h"
+#include "core/energy/image_term.h"
+#include "core/energy/refined_surface.h"
 #include "core/fit/energies.h"
 #include "core/subdiv/stencils.h"
 
@@ -22,14 +24,19 @@ struct ObjectiveTarget {
   RobustKernel kernel;
   const PointCloud* covered = nullptr;  // with normals: points that the surface has to come to
   double coverage_weight = 0;           // gamma; 0: none, as without a coverage term
+  double distance_weight = 1;           // of E_dist; 0: none
+  const std::vector<ImageTarget>* images = nullptr;  // outlive the objective's use of them
+  ImageWeights image_weights;
+  uint64_t frame = 0;  // what views are drawn by
 };
 
 // Not thread-safe. Structure is built once; SetTarget and SetRest replace numbers.
 class Objective {
  public:
-  // S: m samples x n control vertices. `coverage` may be null.
+  // S: m samples x n control vertices. `coverage` and `images` may be null.
   Objective(const Topology& topology, StencilMatrix S, double arap_weight,
-            std::unique_ptr<CoverageTerm> coverage = nullptr);
+            std::unique_ptr<CoverageTerm> coverage = nullptr,
+            std::unique_ptr<ImageTerm> images = nullptr);
 
   void SetTarget(const ObjectiveTarget& target);
   void SetTarget(const TargetIndex* index, double far_radius) {
@@ -44,6 +51,12 @@ class Objective {
   // `kernel_factor`, both >= 1, 1 after SetTarget; a coarse problem covers fewer points. Assign
   // must follow.
   void SetCoarseness(double radius_factor, double kernel_factor, bool is_coarse);
+
+  // Draws the views that take part from the next evaluation or choice on. Nothing where there are
+  // no images.
+  void DrawViews(int64_t iteration);
+  // All views take part.
+  void UseAllViews();
 
   // Chooses radius and branch of every sample and the foot of every covered point at V (3 x n),
   // where Evaluate was last called or the target or the coarseness is new, and returns the energies
@@ -68,27 +81,35 @@ class Objective {
   const DistanceTerm& distance() const { return distance_; }
   const ArapTerm& arap() const { return arap_; }
   const CoverageTerm* coverage() const { return coverage_.get(); }  // null: there is none
+  const ImageTerm* images() const { return images_.get(); }         // null: there is none
   double arap_weight() const { return arap_weight_; }               // alpha
   void set_arap_weight(double weight) { arap_weight_ = weight; }
   const StencilMatrix& stencils() const { return S_; }
   // Rows at which a Gauss-Newton matrix has its blocks: the samples, and behind them, where they
-  // are others, the vertices of M1 that coverage acts on, which begin at row coverage_begin().
-  const StencilMatrix& block_stencils() const { return coverage_begin_ > 0 ? stacked_ : S_; }
-  int64_t coverage_begin() const { return coverage_begin_; }
+  // are others, the vertices of M1 that coverage and images act on, which begin at row
+  // surface_begin().
+  const StencilMatrix& block_stencils() const { return surface_begin_ > 0 ? stacked_ : S_; }
+  int64_t surface_begin() const { return surface_begin_; }
+  // M1, or null where nothing acts on it.
+  const RefinedSurface* surface() const { return surface_.get(); }
+  // Whether anything acts on M1 for this target; then `blocks` are written.
+  bool SurfaceBlocksOf(SurfaceBlocks* blocks) const;
 
  private:
-  StencilMatrix S_, St_;        // m x n and n x m
-  StencilMatrix stacked_;       // S_, then those of M1; empty where they are S_
-  int64_t coverage_begin_ = 0;  // 0 or m
+  StencilMatrix S_, St_;       // m x n and n x m
+  StencilMatrix stacked_;      // S_, then those of M1; empty where they are S_
+  int64_t surface_begin_ = 0;  // 0 or m
   double arap_weight_;
   DistanceTerm distance_;
   ArapTerm arap_;
   std::unique_ptr<CoverageTerm> coverage_;
+  std::unique_ptr<ImageTerm> images_;
+  std::shared_ptr<const RefinedSurface> surface_;
   double radius_factor_ = 1;
   Points3d Q_;
   std::vector<SampleResiduals> residuals_;
   double distance_energy_ = 0;  // of residuals_
-  double coverage_energy_ = 0;
+  double coverage_energy_ = 0, image_energy_ = 0;
 };
 
 }  // namespace cagefit

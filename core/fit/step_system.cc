@@ -67,7 +67,7 @@ StepSystem::StepSystem(const Objective& objective)
     }
     edge_begin_.push_back(static_cast<int32_t>(edge_neighbor_.size()));
   }
-  if (objective.coverage() != nullptr) LinkRows(objective);
+  if (objective.surface() != nullptr) LinkRows(objective);
   block_columns_.resize(3 * rows_);
   row_in_.resize(rows_);
   row_out_.resize(rows_);
@@ -81,14 +81,14 @@ StepSystem::StepSystem(const Objective& objective)
 }
 
 void StepSystem::LinkRows(const Objective& objective) {
-  coverage_begin_ = objective.coverage_begin();
-  const Topology& m1 = objective.coverage()->m1();
+  surface_begin_ = objective.surface_begin();
+  const Topology& m1 = objective.surface()->topology;
   link_columns_.resize(3 * m1.edge_count());
   link_begin_.push_back(0);
   for (int32_t v = 0; v < m1.vertex_count(); ++v) {
     const absl::Span<const int32_t> ring = m1.Ring(v), edges = m1.RingEdges(v);
     for (size_t k = 0; k < ring.size(); ++k) {
-      link_row_.push_back(static_cast<int32_t>(coverage_begin_) + ring[k]);
+      link_row_.push_back(static_cast<int32_t>(surface_begin_) + ring[k]);
       link_edge_.push_back(edges[k]);
     }
     link_begin_.push_back(static_cast<int32_t>(link_row_.size()));
@@ -107,10 +107,10 @@ void StepSystem::Linearize(const Objective& objective) {
         const float w = column_weight_[s] * column_weight_[s];
         const int32_t row = column_index_[s];
         for (int c = 0; c < 3; ++c) columns[c] += w * block_columns_[3 * row + c];
-        if (covers_ && row >= coverage_begin_) {
+        if (linked_ && row >= surface_begin_) {
           // What the links add, as if the rows that they join moved alike.
-          const int64_t v = row - coverage_begin_;
-          const Eigen::Matrix3f links = coverage_.lumped[v] - coverage_.vertex[v];
+          const int64_t v = row - surface_begin_;
+          const Eigen::Matrix3f links = surface_.lumped[v] - surface_.vertex[v];
           for (int c = 0; c < 3; ++c) columns[c].head<3>() += w * links.col(c);
         }
       }
@@ -146,11 +146,10 @@ void StepSystem::LinearizeRows(const Objective& objective) {
   const auto weight = static_cast<float>(objective.distance().weight());
   const std::vector<SampleResiduals>& residuals = objective.residuals();
   const auto samples = static_cast<int64_t>(residuals.size());
-  covers_ = objective.coverage() != nullptr && objective.coverage()->is_on();
-  if (covers_) {
-    objective.coverage()->Linearize(&coverage_);
-    for (size_t e = 0; e < coverage_.edge.size(); ++e) {
-      for (int c = 0; c < 3; ++c) link_columns_[3 * e + c] << coverage_.edge[e].col(c), 0;
+  linked_ = objective.SurfaceBlocksOf(&surface_);
+  if (linked_) {
+    for (size_t e = 0; e < surface_.edge.size(); ++e) {
+      for (int c = 0; c < 3; ++c) link_columns_[3 * e + c] << surface_.edge[e].col(c), 0;
     }
   }
   ParallelFor(rows_, kGrain, [&](int64_t begin, int64_t end) {
@@ -165,7 +164,7 @@ void StepSystem::LinearizeRows(const Objective& objective) {
           A += weight * b * b.transpose();
         }
       }
-      if (covers_ && i >= coverage_begin_) A += coverage_.vertex[i - coverage_begin_];
+      if (linked_ && i >= surface_begin_) A += surface_.vertex[i - surface_begin_];
       for (int c = 0; c < 3; ++c) block_columns_[3 * i + c] << A.col(c), 0;
     }
   });
@@ -184,8 +183,8 @@ void StepSystem::ApplyLinked() {
   ParallelFor(rows_, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       Vec t = Times(&block_columns_[3 * i], row_in_[i]);
-      if (i >= coverage_begin_) {
-        const int64_t v = i - coverage_begin_;
+      if (i >= surface_begin_) {
+        const int64_t v = i - surface_begin_;
         for (int32_t l = link_begin_[v]; l < link_begin_[v + 1]; ++l) {
           t += Times(&link_columns_[3 * link_edge_[l]], row_in_[link_row_[l]]);
         }
@@ -204,10 +203,10 @@ void StepSystem::Apply(const Vecs& x, float damping, Vecs* y) {
         u += row_weight_[s] * x[row_index_[s]];
       }
       row_in_[i] = u;
-      if (!covers_) row_out_[i] = Times(&block_columns_[3 * i], u);
+      if (!linked_) row_out_[i] = Times(&block_columns_[3 * i], u);
     }
   });
-  if (covers_) ApplyLinked();
+  if (linked_) ApplyLinked();
   // w_i = A_i^-1 sum_j e_ij x (x_i - x_j)
   if (rigid_) {
     ParallelFor(vertices_, kGrain, [&](int64_t begin, int64_t end) {

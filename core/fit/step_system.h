@@ -4,11 +4,10 @@
 //   ( S^T A S + alpha H_arap + lambda D ) step = -g/2
 //
 // A holds one 3 x 3 block per row of Objective::block_stencils, of a sample
-// n/m (rho' grad f grad f^T + grad b grad b^T), and the blocks of coverage for vertices and edges
-// of M1 (energy/coverage_term.h); H_arap is that of energy/arap_term.h; D is the mean diagonal. The
-// preconditioner is the inverse of the 3 x 3
-// diagonal blocks. Vectors are single precision, four lanes a vertex: the step is inexact by
-// design, gradient and energy stay double.
+// n/m (rho' grad f grad f^T + grad b grad b^T), and the blocks of coverage and images for vertices
+// and edges of M1 (energy/refined_surface.h); H_arap is that of energy/arap_term.h; D is the mean
+// diagonal. The preconditioner is the inverse of the 3 x 3 diagonal blocks. Vectors are single
+// precision, four lanes a vertex: the step is inexact by design, gradient and energy stay double.
 #ifndef CAGEFIT_CORE_FIT_STEP_SYSTEM_H_
 #define CAGEFIT_CORE_FIT_STEP_SYSTEM_H_
 
@@ -47,17 +46,18 @@ class StepSystem {
   // Structure: S and its transpose, half-edges with their reverse.
   std::vector<int32_t> row_begin_, row_index_, column_begin_, column_index_;
   std::vector<float> row_weight_, column_weight_;
-  // Neighbours of every vertex of M1, as rows, with the edges to them; empty without coverage.
+  // Neighbours of every vertex of M1, as rows, with the edges to them; empty where nothing acts on
+  // it.
   std::vector<int32_t> link_begin_, link_row_, link_edge_;
-  int64_t coverage_begin_ = 0;
+  int64_t surface_begin_ = 0;
   std::vector<int32_t> edge_begin_, edge_neighbor_, edge_reverse_;
   int64_t rows_ = 0, vertices_ = 0;
 
   // Numbers of the current linearisation.
   Vecs block_columns_;  // of A: three a row
   Vecs link_columns_;   // three per edge of M1
-  CoverageTerm::Blocks coverage_;
-  bool covers_ = false;
+  SurfaceBlocks surface_;
+  bool linked_ = false;             // surface_ holds something
   std::vector<float> edge_weight_;  // alpha w_ij, per half-edge
   Vecs edge_;                       // alpha w_ij R_i (V'_i - V'_j), per half-edge
   Vecs edge_sum_;                   // its sum over j, per vertex

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/image/silhouette_image.h"
+
 namespace cagefit {
 
 void MeshView::Render(const Points3d& vertices, const Triangles& triangles, const MeshEdges& edges,
@@ -13,7 +15,7 @@ void MeshView::Render(const Points3d& vertices, const Triangles& triangles, cons
   camera_ = camera;
   mode_ = options.mode;
   ProjectMesh(vertices, camera, &projected_);
-  const double reach = camera.half_side() * OutlineReach(options.soft.sigma);
+  const double reach = SilhouetteReach(options.soft.sigma, camera.half_side());
   const int pad = static_cast<int>(std::ceil(reach)) + 1;
   tiles_.Build(projected_, triangles, camera.width, camera.height, /*margin=*/0, pad);
   depths_.Render(projected_, triangles, tiles_, camera.width, camera.height);

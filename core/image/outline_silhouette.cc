@@ -6,13 +6,13 @@
 
 #include "core/base/parallel.h"
 #include "core/image/cross2.h"
+#include "core/image/silhouette_image.h"
 
 namespace cagefit {
 
 namespace {
 
 constexpr int64_t kRowGrain = 16;
-constexpr double kSaturated = 1e-4;
 // Sine of the angle between two edges below which their crossing is not followed: it would move
 // without bound.
 constexpr double kLeastSine = 1e-3;
@@ -25,14 +25,12 @@ Eigen::Vector2d Normal(const Eigen::Vector2d& along) {
 
 }  // namespace
 
-double OutlineReach(double sigma) { return std::sqrt(std::log(1 / kSaturated - 1) * sigma); }
-
 void OutlineSilhouette::Render(const ProjectedMesh& mesh, const Triangles& triangles,
                                const MeshEdges& edges, const TriangleTiles& tiles,
                                const DepthBuffer& depths, double sigma, Image* silhouette) {
   const int width = depths.width(), height = depths.height();
   const double half_side = 0.5 * std::min(width, height);
-  const double reach = half_side * OutlineReach(sigma);
+  const double reach = SilhouetteReach(sigma, half_side);
   const double variance = sigma * half_side * half_side;  // pixels^2
   outline_.Find(mesh, triangles, edges, tiles, width, height, reach);
   MeasureOutline(outline_.outline(), width, height, reach, &distance_);

@@ -3,8 +3,8 @@
 //   A(p) = sigmoid( s |s| / sigma )
 //
 // s the signed distance from pixel centre p to the outline (mesh_outline.h), positive inside, in
-// normalised device coordinates (unit: half the smaller image side). Beyond `reach`, where the
-// sigmoid is within 1e-4 of 0 or 1, A is 0 or 1.
+// normalised device coordinates (unit: half the smaller image side): the image of
+// silhouette_image.h. Beyond SilhouetteReach A is 0 or 1.
 //
 // With c the outline's point nearest to p, ds/dc is the unit vector from c to p for a pixel
 // outside, from p to c inside, and c moves with the edge that it lies on:
@@ -24,9 +24,6 @@
 #include "core/image/outline_distance.h"
 
 namespace cagefit {
-
-// How far the outline acts, in normalised device coordinates: sigmoid(-reach^2 / sigma) = 1e-4.
-double OutlineReach(double sigma);
 
 // Not thread-safe. Buffers keep their capacity.
 class OutlineSilhouette {

@@ -212,8 +212,9 @@ TEST(CoverageTermTest, IsOffWithoutWeightOrTarget) {
     EXPECT_EQ(term.Evaluate(sample.V), 0);
     EXPECT_EQ(term.size(), 0);
     EXPECT_EQ(HalfGradient(term, sample.V.cols()), Points3d::Zero(3, sample.V.cols()));
-    CoverageTerm::Blocks blocks;
-    term.Linearize(&blocks);
+    SurfaceBlocks blocks;
+    blocks.SetZero(term.m1()->topology);
+    term.AddBlocks(&blocks);
     for (const Eigen::Matrix3f& block : blocks.vertex) EXPECT_EQ(block, Eigen::Matrix3f::Zero());
   }
 }
@@ -361,16 +362,17 @@ TEST(CoverageTermTest, IsTheSameForAnyNumberOfThreads) {
 
 // dV^T H dV by the blocks of the Gauss-Newton matrix.
 double BlockForm(const CoverageTerm& term, const Points3d& dV) {
-  CoverageTerm::Blocks blocks;
-  term.Linearize(&blocks);
+  SurfaceBlocks blocks;
+  blocks.SetZero(term.m1()->topology);
+  term.AddBlocks(&blocks);
   Points3d dQ;
-  ApplyStencils(term.stencils(), dV, &dQ);
+  ApplyStencils(term.m1()->position, dV, &dQ);
   double sum = 0;
-  for (int32_t v = 0; v < term.m1().vertex_count(); ++v) {
+  for (int32_t v = 0; v < term.m1()->topology.vertex_count(); ++v) {
     sum += dQ.col(v).dot(blocks.vertex[v].cast<double>() * dQ.col(v));
   }
-  for (int32_t e = 0; e < term.m1().edge_count(); ++e) {
-    const auto& [a, b] = term.m1().edge(e);
+  for (int32_t e = 0; e < term.m1()->topology.edge_count(); ++e) {
+    const auto& [a, b] = term.m1()->topology.edge(e);
     sum += 2 * dQ.col(a).dot(blocks.edge[e].cast<double>() * dQ.col(b));
   }
   return sum;
@@ -448,11 +450,12 @@ TEST(CoverageTermTest, LumpedBlocksAreTheSumsOfTheirRows) {
   const SubdivSample sample = SampleOf(testing::MixedValences());
   Covered covered(sample, CloudAround(sample, 2000, 15));
   covered.term.Assign(sample.V);
-  CoverageTerm::Blocks blocks;
-  covered.term.Linearize(&blocks);
+  SurfaceBlocks blocks;
+  blocks.SetZero(covered.term.m1()->topology);
+  covered.term.AddBlocks(&blocks);
   std::vector<Eigen::Matrix3f> rows = blocks.vertex;
-  for (int32_t e = 0; e < covered.term.m1().edge_count(); ++e) {
-    for (const int32_t v : covered.term.m1().edge(e)) rows[v] += blocks.edge[e];
+  for (int32_t e = 0; e < covered.term.m1()->topology.edge_count(); ++e) {
+    for (const int32_t v : covered.term.m1()->topology.edge(e)) rows[v] += blocks.edge[e];
   }
   float largest = 0;
   for (const Eigen::Matrix3f& block : blocks.lumped) largest = std::max(largest, block.norm());
