@@ -67,6 +67,7 @@ bool IsCrossed(const Corners& f) {
   return (f[1] >= 0) != in || (f[2] >= 0) != in || (f[3] >= 0) != in;
 }
 
+// The corners of the cell whose first one is pixel (x, y).
 Corners CornersAt(const Image& field, float level, int x, int y) {
   const int x0 = std::max(x, 0), x1 = std::min(x + 1, field.width - 1);
   const int y0 = std::max(y, 0), y1 = std::min(y + 1, field.height - 1);
@@ -85,9 +86,20 @@ void ExtractOutline(const Image& field, float level, Outline* out) {
   for (int y = -1; y < field.height; ++y) {
     std::fill(bottom.begin(), bottom.end(), -1);
     std::fill(left.begin(), left.end(), -1);
+    const float* const upper = field.at(0, std::max(y, 0));
+    const float* const lower = field.at(0, std::min(y + 1, field.height - 1));
+    // Most cells are not crossed: their corners are compared before anything else.
+    const auto column = [&](int x) {
+      const int k = std::clamp(x, 0, field.width - 1);
+      return (upper[k] - level >= 0 ? 1 : 0) + (lower[k] - level >= 0 ? 2 : 0);
+    };
+    int left_column = column(-1);
     for (int x = -1; x < field.width; ++x) {
+      const int right_column = column(x + 1);
+      const bool crossed = left_column != right_column || left_column % 3 != 0;
+      left_column = right_column;
+      if (!crossed) continue;
       const Corners f = CornersAt(field, level, x, y);
-      if (!IsCrossed(f)) continue;
       const std::array<int32_t*, 4> ids = {&top[x + 1], &left[x + 2], &bottom[x + 1], &left[x + 1]};
       const Contour contour = ContourOf(f);
       for (int s = 0; s < contour.count; ++s) {

@@ -29,17 +29,19 @@ struct Segment {
       : a(outline.points.col(outline.segments(0, s))),
         b(outline.points.col(outline.segments(1, s))),
         d(b - a),
-        squared_length(d.squaredNorm()) {}
+        squared_length(d.squaredNorm()),
+        inverse(1 / squared_length) {}
 
   // From the end itself where that is the nearest point: the segments that meet in it then give
-  // the same number, and the tie goes to the lower index.
-  double SquaredDistance(const Eigen::Vector2d& p) const {
-    const Eigen::Vector2d ap = p - a;
-    const double along = ap.dot(d);
-    if (!(along > 0)) return ap.squaredNorm();
-    if (along >= squared_length) return (p - b).squaredNorm();
-    const double across = ap[0] * d[1] - ap[1] * d[0];
-    return across * across / squared_length;
+  // the same number, and the tie goes to the lower index. All three are computed and one chosen,
+  // since which one it is changes along a row too often for a branch.
+  double SquaredDistance(double x, double y) const {
+    const double ax = x - a[0], ay = y - a[1], bx = x - b[0], by = y - b[1];
+    const double along = ax * d[0] + ay * d[1], across = ax * d[1] - ay * d[0];
+    const double to_a = ax * ax + ay * ay, to_b = bx * bx + by * by;
+    const double to_line = across * across * inverse;
+    const double to_end = along > 0 ? to_b : to_a;
+    return along > 0 && along < squared_length ? to_line : to_end;
   }
 
   Range Rows(double reach, int height) const {
@@ -63,7 +65,7 @@ struct Segment {
   }
 
   Eigen::Vector2d a, b, d;
-  double squared_length;
+  double squared_length, inverse;
 };
 
 // Counting sort of the segments into the strips of rows that they reach.
@@ -95,12 +97,13 @@ void Draw(const Outline& outline, int32_t s, Range strip, double reach, OutlineD
   const Range rows = segment.Rows(reach, out->height);
   for (int y = std::max(rows.first, strip.first); y <= std::min(rows.last, strip.last); ++y) {
     const Range columns = segment.Columns(y, reach, out->width);
-    const int64_t row = static_cast<int64_t>(y) * out->width;
+    double* const distance = &out->distance[static_cast<int64_t>(y) * out->width];
+    int32_t* const index = &out->segment[static_cast<int64_t>(y) * out->width];
     for (int x = columns.first; x <= columns.last; ++x) {
-      const double d2 = segment.SquaredDistance({x, y});
-      if (d2 > reach * reach || !(d2 < out->distance[row + x])) continue;
-      out->distance[row + x] = d2;
-      out->segment[row + x] = s;
+      const double d2 = segment.SquaredDistance(x, y);
+      const bool nearer = d2 <= reach * reach && d2 < distance[x];
+      distance[x] = nearer ? d2 : distance[x];
+      index[x] = nearer ? s : index[x];
     }
   }
 }
