@@ -2,20 +2,10 @@
 
 #include <cmath>
 
-#include "absl/strings/str_format.h"
 #include "core/base/status.h"
+#include "core/fit/check_range.h"
 
 namespace cagefit {
-
-namespace {
-
-absl::Status CheckRange(const char* field, double value, double least, double most) {
-  if (value >= least && value <= most) return absl::OkStatus();  // false for NaN
-  return absl::InvalidArgumentError(
-      absl::StrFormat("%s is %g; it must be from %g to %g", field, value, least, most));
-}
-
-}  // namespace
 
 FitOptions FitOptions::Paper() {
   FitOptions paper;
@@ -48,6 +38,17 @@ absl::Status FitOptions::Validate() const {
   RETURN_IF_ERROR(CheckRange("relative_decrease", solver.relative_decrease, 1e-12, 0.5));
   RETURN_IF_ERROR(CheckRange("first_stiffness", solver.first_stiffness, 1, 1e6));
   RETURN_IF_ERROR(CheckRange("learning_rate", solver.learning_rate, 1e-8, 1));
+  RETURN_IF_ERROR(CheckRange("distance_weight", distance.weight, 0, 1e6));
+  RETURN_IF_ERROR(image.Validate());
+  if (image.views == Views::kNone) return absl::OkStatus();
+  if (solver.solver == Solver::kCeres) {
+    return absl::InvalidArgumentError(
+        "solver is CERES, which does not take images; use GAUSS_NEWTON or ADAM");
+  }
+  if (image.mode == SilhouetteMode::kPytorch3d && solver.solver != Solver::kAdam) {
+    return absl::InvalidArgumentError(
+        "image.mode is PYTORCH3D, which has no Gauss-Newton rows; use solver ADAM");
+  }
   return absl::OkStatus();
 }
 

@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "core/energy/field.h"
 #include "core/energy/robust_kernel.h"
+#include "core/fit/image_options.h"
 #include "core/subdiv/surface_sampler.h"
 
 namespace cagefit {
@@ -16,6 +17,7 @@ enum class Solver { kGaussNewton, kCeres, kAdam };
 enum class RestMesh { kTemplate, kPreviousFrame };
 
 struct DistanceOptions {
+  double weight = 1;  // 0 to 1e6; 0: images alone, with coverage.weight 0
   Field field = Field::kImls;
   Sampling sampling = Sampling::kRefinedVertices;  // points that are held to the target
   int samples_per_triangle = 4;                    // with kArea; 1 to 100
@@ -68,6 +70,7 @@ struct FitOptions {
   TargetOptions target;
   DistanceOptions distance;
   CoverageOptions coverage;
+  ImageOptions image;
   ArapOptions arap;
   SolverOptions solver;
 

@@ -42,6 +42,25 @@ double FootTolerance(const SolverOptions& options) {
   return std::clamp(0.1 * std::sqrt(options.relative_decrease), 1e-5, 1e-2);
 }
 
+Objective MakeObjective(const ControlMesh& mesh, StencilMatrix samples, const FitOptions& options) {
+  const bool shows = options.image.views != Views::kNone;
+  std::shared_ptr<const RefinedSurface> m1;
+  std::unique_ptr<CoverageTerm> coverage;
+  std::unique_ptr<ImageTerm> images;
+  if (options.coverage.weight > 0 || shows) {
+    m1 = std::make_shared<RefinedSurface>(mesh.topology(), mesh.tags());
+  }
+  if (options.coverage.weight > 0) {
+    coverage = std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags(),
+                                              FootTolerance(options.solver), m1);
+  }
+  if (shows) {
+    images = std::make_unique<ImageTerm>(m1, RenderOptions(options.image),
+                                         options.image.views_per_iteration, options.image.seed);
+  }
+  return Objective(mesh.topology(), std::move(samples), 0, std::move(coverage), std::move(images));
+}
+
 }  // namespace
 
 struct Fitter::State {
@@ -51,11 +70,7 @@ struct Fitter::State {
         normalization(normalization),
         options(options),
         rest(normalization.ToUnit(mesh.vertices())),
-        objective(mesh.topology(), std::move(samples), 0,
-                  options.coverage.weight > 0
-                      ? std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags(),
-                                                       FootTolerance(options.solver))
-                      : nullptr),
+        objective(MakeObjective(mesh, std::move(samples), options)),
         system(objective) {
     objective.SetRest(rest);
   }
@@ -165,7 +180,7 @@ Fitter& Fitter::operator=(Fitter&&) noexcept = default;
 absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
                                        const std::vector<Points3d>& starts,
                                        const CancelFn& cancelled, const ClockFn& clock,
-                                       Points3d* fitted) {
+                                       Points3d* fitted, const ImageSource& images) {
   State& s = *state_;
   RETURN_IF_ERROR(CheckStarts(starts, s.rest.cols()));
   RETURN_IF_ERROR(ValidateTarget(target));
@@ -173,7 +188,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   const auto now = [&] { return clock ? clock() : 0.0; };
 
   const double t_start = now();
-  RETURN_IF_ERROR(s.frame.Build(target, s.normalization, s.options, s.rest.cols()));
+  RETURN_IF_ERROR(s.frame.Build(target, s.normalization, s.options, s.rest.cols(), images));
   s.objective.set_arap_weight(s.frame.ArapWeight(s.options, s.rest.cols()));
   const double t_indexed = now();
 
@@ -196,6 +211,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   const TargetIndex& index = s.frame.index();
   summary.radius = index.radius() / scale;
   summary.radius_in_spacings = index.radius() / index.spacing();
+  summary.images = static_cast<int>(s.frame.objective_target().images->size());
   summary.noise = s.frame.noise() / scale;
   summary.outliers = s.frame.outliers();
   summary.grown_samples = static_cast<int>(s.objective.distance().grown_samples());

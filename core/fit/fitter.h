@@ -12,6 +12,7 @@
 #include "core/cloud/point_cloud.h"
 #include "core/fit/energies.h"
 #include "core/fit/fit_options.h"
+#include "core/fit/frame_images.h"
 #include "core/fit/normalization.h"
 #include "core/mesh/control_mesh.h"
 
@@ -26,9 +27,11 @@ struct FitSummary {
   double radius_in_spacings = 0;
   int grown_samples = 0;  // samples whose radius was doubled at least once, last iteration
   int far_samples = 0;    // samples beyond the far radius, last iteration
+  int images = 0;         // views of the image loss
   double noise = 0;       // standard deviation of the points off their surface, user units
   int64_t outliers = 0;   // points that were left out
-  double index_ms = 0, solve_ms = 0;  // by the caller's clock; 0 without one
+  double index_ms = 0,
+         solve_ms = 0;  // images are made in index_ms; by the caller's clock; 0 without one
 };
 
 // Reads milliseconds; core has no clock of its own. May be empty.
@@ -48,11 +51,13 @@ class Fitter {
   // Fits to `target` (validated, with normals; user units) and writes the fitted control vertices
   // (3 x n, user units) to `*fitted`. Of `starts` (each 3 x n, user units; at least one), the one
   // nearest to the target by E_dist is where it begins, the first of equals, moved as a whole where
-  // that brings it much nearer (alignment.h). A pure function of
-  // Create's arguments, `starts` and `target`. CANCELLED within one solver step; INTERNAL when the
-  // fit diverged (not finite). On error *fitted is unchanged.
+  // that brings it much nearer (alignment.h). `images`: what the image loss takes beside the
+  // points. A pure function of Create's arguments, `starts`, `target` and `images`. CANCELLED
+  // within one solver step; INTERNAL when the fit diverged (not finite). On error *fitted is
+  // unchanged.
   absl::StatusOr<FitSummary> Fit(const PointCloud& target, const std::vector<Points3d>& starts,
-                                 const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted);
+                                 const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted,
+                                 const ImageSource& images = {});
 
  private:
   struct State;

@@ -39,7 +39,8 @@ void ToUnit(const Normalization& normalization, const PointCloud& user, PointClo
 }  // namespace
 
 absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& normalization,
-                                const FitOptions& options, int64_t control_vertices) {
+                                const FitOptions& options, int64_t control_vertices,
+                                const ImageSource& images) {
   ToUnit(normalization, user, &cloud_);
   scale_ = normalization.scale;
   noise_ = 0;
@@ -64,6 +65,14 @@ absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& nor
         std::max(kLeastCoveragePoints, options.coverage.points_per_vertex * control_vertices));
     target_.covered = &covered_;
   }
+  target_.distance_weight = distance.weight;
+  RETURN_IF_ERROR(images_.Build(images, cloud_, index_.spacing(), normalization, options.image));
+  const double beta =
+      options.image.weight.value_or(kImageWeightPerVertex * static_cast<double>(control_vertices));
+  target_.images = &images_.targets();
+  target_.image_weights = {beta, beta * options.image.depth_weight,
+                           beta * options.image.normal_weight};
+  target_.frame = images.frame;
   return absl::OkStatus();
 }
 

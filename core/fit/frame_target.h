@@ -7,6 +7,7 @@
 #include "core/cloud/point_cloud.h"
 #include "core/cloud/target_index.h"
 #include "core/fit/fit_options.h"
+#include "core/fit/frame_images.h"
 #include "core/fit/normalization.h"
 #include "core/fit/objective.h"
 
@@ -21,8 +22,10 @@ class FrameTarget {
   // Takes `user` (validated, with normals; user units) in. Where no radius is set, h is the larger
   // of radius_factor times the spacing and kRadiusPerNoise times the noise. INVALID_ARGUMENT when
   // fewer than kMinTargetPoints points are left.
+  // `images`: what the image loss takes beside the points. INVALID_ARGUMENT as FrameImages says.
   absl::Status Build(const PointCloud& user, const Normalization& normalization,
-                     const FitOptions& options, int64_t control_vertices);
+                     const FitOptions& options, int64_t control_vertices,
+                     const ImageSource& images = {});
 
   const ObjectiveTarget& objective_target() const { return target_; }
   const TargetIndex& index() const { return index_; }
@@ -40,6 +43,7 @@ class FrameTarget {
   void DrawCovered(int64_t count);
 
   PointCloud cloud_, covered_;
+  FrameImages images_;
   TargetIndex index_;
   ObjectiveTarget target_;
   double scale_ = 1, noise_ = 0;
