@@ -23,6 +23,7 @@ using Run = std::function<int()>;
 void AddEvaluateCommand(CLI::App* app, Run* run);
 void AddFitCommand(CLI::App* app, Run* run);
 void AddRefineCommand(CLI::App* app, Run* run);
+void AddRenderCommand(CLI::App* app, Run* run);
 void AddSessionCommand(CLI::App* app, Run* run);
 void AddSynthCommand(CLI::App* app, Run* run);
 // With or without template making in this build; without it, running the command says so.

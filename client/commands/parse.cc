@@ -87,6 +87,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddFitCommand(&app, &run);
   AddTemplateCommand(&app, &run);
   AddRefineCommand(&app, &run);
+  AddRenderCommand(&app, &run);
   AddEvaluateCommand(&app, &run);
   AddSessionCommand(&app, &run);
   AddSynthCommand(&app, &run);

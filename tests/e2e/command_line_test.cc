@@ -35,6 +35,8 @@ TEST(CommandLineTest, WrongUsageEndsWithTwoAndSaysWhatIsWrong) {
       {"fit", "x.ply", "--out", "o", "--tolerance", "0.1"},
       {"fit", "x.ply", "--out", "o", "--tolerance", "fine"},
       {"refine", "c.obj", "--out", "m.obj", "--levels", "9"},
+      {"render", "m.obj", "--out", "o", "--size", "0"},
+      {"render", "m.obj", "--out", "o", "--cameras", "c.json", "--views", "3"},
       {"synth", "cube", "--out", "o"},
       {"session", "list", "extra"}};
   for (const auto& arguments : wrong) {
@@ -135,6 +137,40 @@ TEST(CommandLineTest, TemplateRefineAndEvaluateWorkTogether) {
   const auto other = nlohmann::json::parse(RunCagefit({"evaluate", cage, truth, "--json"}).out);
   EXPECT_GT(other[0]["distances"]["target_to_fit"]["rms_percent"], 1e-3);
   EXPECT_LT(other[0]["distances"]["target_to_fit"]["rms_percent"], 1);
+}
+
+TEST(CommandLineTest, RendersThroughTheCamerasThatItWrote) {
+  const std::string folder = EmptyFolder("render"), mesh = folder + "/truth/frame_0000.ply";
+  ASSERT_EQ(
+      RunCagefit({"synth", "blob", "--out", folder, "--frames", "1", "--points", "500"}).exit_code,
+      0);
+  const std::string first = folder + "/first", second = folder + "/second";
+  const ProgramResult result =
+      RunCagefit({"render", mesh, "--out", first, "--views", "3", "--size", "64"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(
+      RunCagefit({"render", mesh, "--out", second, "--cameras", first + "/cameras.json"}).exit_code,
+      0);
+  for (const char* name : {"/silhouette/view_0002.png", "/depth/view_0002.pfm",
+                           "/normals/view_0002.pfm", "/cameras.json"}) {
+    EXPECT_FALSE(ReadText(first + name).empty()) << name;
+    EXPECT_EQ(ReadText(first + name), ReadText(second + name)) << name;
+  }
+  EXPECT_EQ(ReadText(first + "/depth/view_0000.pfm").substr(0, 9), "Pf\n64 64\n");
+}
+
+TEST(CommandLineTest, RendersALimitSurfaceOrSaysWhatIsMissing) {
+  const std::string folder = EmptyFolder("render_cage");
+  WriteText(folder + "/cage.obj",
+            "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n");
+  const ProgramResult result = RunCagefit(
+      {"render", folder + "/cage.obj", "--levels", "2", "--views", "1", "--out", folder + "/out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("64 triangles in 1 views"));
+  WriteText(folder + "/cloud.obj", "v 1 1 1\nv 1 -1 -1\n");
+  const ProgramResult cloud = RunCagefit({"render", folder + "/cloud.obj", "--out", folder});
+  EXPECT_EQ(cloud.exit_code, 1);
+  EXPECT_THAT(cloud.err, HasSubstr("cloud.obj: it has no faces; rendering needs them"));
 }
 
 TEST(CommandLineTest, FlagsCountMoreThanVariablesAndThoseMoreThanTheFile) {
