@@ -18,7 +18,9 @@ absl::StatusOr<Minimization> MinimizeAdam(const SolverOptions& options, const Ca
   Minimization out;
   Points3d half_gradient, best = *V;
   Points3d m = Points3d::Zero(3, V->cols()), v = m;
+  objective->UseAllViews();
   Energies energies = objective->Assign(*V, &half_gradient);
+  const bool draws = objective->images() != nullptr && objective->images()->draws();
   out.initial = out.final = energies;
   double window_energy = energies.total();  // least energy a window ago
   double power1 = 1, power2 = 1;            // b1^t, b2^t
@@ -37,8 +39,15 @@ absl::StatusOr<Minimization> MinimizeAdam(const SolverOptions& options, const Ca
     v.array() = kBeta2 * v.array() + (1 - kBeta2) * g.square();
     V->array() -= rate * m.array() / ((share * v.array()).sqrt() + kEpsilon);
 
+    objective->DrawViews(out.iterations);
     energies = objective->AssignSamples(*V, &half_gradient);
     if (out.iterations % kFeetInterval == 0) energies = objective->Assign(*V, &half_gradient);
+    if (draws) {
+      // Energies of other views do not compare.
+      if (out.iterations % kAdamWindow != 0 && out.iterations < options.max_iterations) continue;
+      objective->UseAllViews();
+      energies = objective->Evaluate(*V, &half_gradient);
+    }
     if (energies.total() < out.final.total()) {
       out.final = energies;
       best = *V;
@@ -50,6 +59,7 @@ absl::StatusOr<Minimization> MinimizeAdam(const SolverOptions& options, const Ca
     }
   }
   V->swap(best);
+  objective->UseAllViews();
   objective->AssignSamples(*V, &half_gradient);
   out.final = objective->Assign(*V, &half_gradient);
   return out;

@@ -18,7 +18,8 @@ namespace cagefit {
 // per coordinate, with the gradient g at the choices of the moment: radius and branch of every
 // sample are chosen in each iteration, the feet of covered points in every 10th. Ends after
 // max_iterations, or once kAdamWindow iterations have lowered the least energy by less than
-// relative_decrease in all. *V becomes the iterate of least energy.
+// relative_decrease in all. *V becomes the iterate of least energy. Where views are drawn they are
+// others in each iteration, and the iterates of whole windows are compared on all of them.
 inline constexpr int kAdamWindow = 100;
 absl::StatusOr<Minimization> MinimizeAdam(const SolverOptions& options, const CancelFn& cancelled,
                                           Objective* objective, Points3d* V);

@@ -83,6 +83,7 @@ int main(int count, char** arguments) {
   namespace bench = cagefit::bench;
   constexpr std::pair<absl::string_view, void (*)()> kStudies[] = {
       {"robustness", bench::StudyRobustness},
+      {"sequences", bench::StudySequences},
       {"solvers", bench::StudySolvers},
       {"scaling", bench::StudyScaling},
       {"vertices", bench::StudyVertexCount}};

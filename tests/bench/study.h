@@ -45,6 +45,7 @@ void StudyRobustness();
 void StudySolvers();
 void StudyScaling();
 void StudyVertexCount();
+void StudySequences();
 
 }  // namespace cagefit::bench
 
