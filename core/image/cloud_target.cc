@@ -12,8 +12,8 @@ namespace {
 
 constexpr int64_t kGrain = 8192;
 constexpr int64_t kDepthSamples = 1000;
-constexpr double kClosing = 1.5, kHole = 3;          // radii, in spacings
-constexpr double kSupport = 2, kSheetTolerance = 2;  // in spacings
+constexpr double kClosing = 1.5, kHole = 3;  // radii, in spacings
+constexpr double kSheet = 2;                 // radius and tolerance, in spacings
 // Radii of a cloud that is coarse beside the image are limited: the work grows with their square.
 constexpr double kLargestRadius = 64;  // pixels
 
@@ -68,8 +68,8 @@ void CloudSplatter::Splat(const PointCloud& cloud, double spacing, const Camera&
   target->silhouette =
       SilhouetteFromOutline(distance_, outline_.inside(), sigma_ndc, camera.half_side());
   if (cloud.has_normals()) {
-    surface_.Build(cloud, camera, u_, v_, outline_.inside(), outline_.window(), pixels(kSupport),
-                   kSheetTolerance * spacing, &target->depth, &target->normals);
+    surface_.Build(cloud, camera, u_, v_, outline_.inside(), outline_.window(), kSheet * spacing,
+                   depth, &target->depth, &target->normals);
   } else {
     target->depth = Image();
     target->normals = Image();

@@ -13,7 +13,7 @@
 // corrected, since points of a mesh or of a regular scan reach the edge, and the points do not tell
 // which they are; the distance to the cloud, which the fit compares too, ends at the same points.
 //
-// Depth and normals: core/image/point_surface.h with radius 2 s and tolerance 2 s.
+// Depth and normals: core/image/point_surface.h with a tolerance of twice the spacing.
 #ifndef CAGEFIT_CORE_IMAGE_CLOUD_TARGET_H_
 #define CAGEFIT_CORE_IMAGE_CLOUD_TARGET_H_
 

@@ -12,10 +12,8 @@ namespace cagefit {
 namespace {
 
 constexpr float kLeastFacing = 0.1f;  // cosine between the normal and the line of sight
-constexpr int kFewestPoints = 4;
-// Distance of the weighted mean of the points in the image from the pixel, in radii. For a sheet
-// that ends at the pixel it is 0.3; by chance it reaches 0.35 for one pixel in several hundred.
-constexpr float kMostOffCentre = 0.35f;
+constexpr float kFewestPoints = 3;
+constexpr int kLanes = 4;
 constexpr int64_t kGrain = 8192, kRowGrain = 8;
 
 // Positive floats are in the order of their bits, so that the least key is the nearest point, the
@@ -26,6 +24,16 @@ uint64_t KeyOf(float depth, int32_t index) {
   std::memcpy(&bits, &depth, sizeof(bits));
   return static_cast<uint64_t>(bits) << 32 | static_cast<uint32_t>(index);
 }
+
+// Pixels; the largest one bounds the work where the camera is close to the points.
+float RadiusAt(float depth, float focal_length, float tolerance) {
+  return std::clamp(focal_length * tolerance / depth, 1.0f, 32.0f);
+}
+
+// Largest distance in the image, in radii, of the mean of n points from the pixel that they stand
+// for. The mean of a sheet that ends at the pixel is 0.3 away, of one around it by chance sqrt(n)
+// times less than 0.3 in each direction.
+float MostOffCentre(float n) { return 0.25f + 0.5f / std::sqrt(n); }
 
 }  // namespace
 
@@ -45,17 +53,20 @@ void PointSurface::SortFacing(const PointCloud& cloud, const Camera& camera,
     }
   });
   pixels_.Build(facing_u_, v, window, 1);
-  points_.resize(pixels_.size());
+  for (std::vector<float>& field : points_) field.resize(pixels_.size() + kLanes);
   const Eigen::Matrix3f R = camera.R.cast<float>();
   const Eigen::Vector3f t = camera.t.cast<float>();
   ParallelFor(pixels_.size(), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
       const int32_t i = pixels_.source(static_cast<int32_t>(k));
       const Eigen::Vector3f n = R * cloud.normals.col(i), p = R * cloud.points.col(i) + t;
-      points_[k].normal << n[0], n[1], n[2], 1.0f;
-      points_[k].position << p[0], p[1], p[2], n.dot(p);
-      points_[k].u = u[i] - static_cast<float>(window.x);
-      points_[k].v = v[i] - static_cast<float>(window.y);
+      points_[kU][k] = u[i] - static_cast<float>(window.x);
+      points_[kV][k] = v[i] - static_cast<float>(window.y);
+      for (int axis = 0; axis < 3; ++axis) {
+        points_[kX + axis][k] = p[axis];
+        points_[kNx + axis][k] = n[axis];
+      }
+      points_[kPlane][k] = n.dot(p);
     }
   });
 }
@@ -73,7 +84,7 @@ void PointSurface::FindNearest(int span) {
         own[x] = kNone;
         const int row = static_cast<int>(y);
         for (int32_t k = pixels_.begin(x, row); k < pixels_.begin(x + 1, row); ++k) {
-          own[x] = std::min(own[x], KeyOf(points_[k].position[2], k));
+          own[x] = std::min(own[x], KeyOf(points_[kZ][k], k));
         }
       }
       for (int x = 0; x < width; ++x) {
@@ -96,57 +107,72 @@ void PointSurface::FindNearest(int span) {
 }
 
 // Depth and normal, in camera axes, where the ray of pixel (x, y) of the window meets the surface.
-bool PointSurface::FitPixel(int x, int y, float radius, float tolerance, const Eigen::Vector3f& ray,
-                            float* depth, Eigen::Vector3f* normal) const {
+bool PointSurface::FitPixel(int x, int y, float focal_length, float tolerance,
+                            const Eigen::Vector3f& ray, float* depth,
+                            Eigen::Vector3f* normal) const {
   const uint64_t key = nearest_[static_cast<int64_t>(y) * pixels_.width() + x];
   if (key == kNone) return false;
   const auto nearest = static_cast<uint32_t>(key);
-  const Eigen::Array4f front = points_[nearest].normal, front_position = points_[nearest].position;
+  using Lanes = Eigen::Array<float, kLanes, 1>;
+  // 1 for the points of a run, 0 behind its end.
+  static constexpr float kMask[2 * kLanes] = {1, 1, 1, 1, 0, 0, 0, 0};
+  const auto lanes = [&](int field, int32_t k) -> Lanes {
+    return Eigen::Map<const Lanes>(&points_[field][k]);
+  };
+  const float front_x = points_[kNx][nearest], front_y = points_[kNy][nearest];
+  const float front_z = points_[kNz][nearest], front_plane = points_[kPlane][nearest];
   const auto u = static_cast<float>(x), v = static_cast<float>(y);
+  const float radius = RadiusAt(points_[kZ][nearest], focal_length, tolerance);
   const float inverse_radius2 = 1 / (radius * radius);
-  Eigen::Array4f normals = Eigen::Array4f::Zero(), positions = normals;
-  Eigen::Vector2f offsets = Eigen::Vector2f::Zero();
-  int count = 0;
+  const float inverse_tolerance2 = 1 / (tolerance * tolerance);
+  Lanes w_sum = Lanes::Zero(), w2_sum = w_sum;
+  std::array<Lanes, kFields> sums;
+  sums.fill(w_sum);
   const int span = static_cast<int>(radius + 0.5f);
   for (int row = std::max(0, y - span); row <= std::min(pixels_.height() - 1, y + span); ++row) {
     // Points of this row of pixels are at least `gap` rows away.
     const float gap = std::max(0.0f, static_cast<float>(std::abs(row - y)) - 0.5f);
     const int half =
         static_cast<int>(std::sqrt(std::max(0.0f, radius * radius - gap * gap)) + 0.5f);
-    const int32_t begin = pixels_.begin(std::max(0, x - half), row);
     const int32_t end = pixels_.begin(std::min(pixels_.width() - 1, x + half) + 1, row);
-    for (int32_t k = begin; k < end; ++k) {
-      const SurfacePoint& point = points_[k];
-      const float du = point.u - u, dv = point.v - v;
-      const float closeness = 1 - inverse_radius2 * (du * du + dv * dv);
-      const float height = front[0] * point.position[0] + front[1] * point.position[1] +
-                           front[2] * point.position[2] - front_position[3];
-      // No branch: which points count is as good as random.
-      const float kept = std::max(0.0f, std::abs(height) <= tolerance ? closeness : 0.0f);
-      const float w = kept * kept;
-      normals += w * point.normal;
-      positions += w * point.position;
-      offsets += w * Eigen::Vector2f(du, dv);
-      count += kept > 0 ? 1 : 0;
+    for (int32_t k = pixels_.begin(std::max(0, x - half), row); k < end; k += kLanes) {
+      const Lanes du = lanes(kU, k) - u, dv = lanes(kV, k) - v;
+      const Lanes height =
+          front_x * lanes(kX, k) + front_y * lanes(kY, k) + front_z * lanes(kZ, k) - front_plane;
+      const Lanes closeness = (1 - inverse_radius2 * (du * du + dv * dv)).max(0.0f);
+      const Lanes on_sheet = (1 - inverse_tolerance2 * height * height).max(0.0f);
+      const Eigen::Map<const Lanes> in_run(kMask + kLanes - std::min(kLanes, end - k));
+      const Lanes w = closeness * closeness * on_sheet * in_run;
+      w_sum += w;
+      w2_sum += w * w;
+      sums[kU] += w * du;
+      sums[kV] += w * dv;
+      for (int field = kX; field < kFields; ++field) sums[field] += w * lanes(field, k);
     }
   }
-  const float weight = normals[3];
-  if (count < kFewestPoints || offsets.norm() > kMostOffCentre * radius * weight) {
-    return false;
-  }
-  const Eigen::Vector3f sum = normals.matrix().head<3>(), n = sum.normalized();
+  // As many points of equal weight would scatter as much.
+  const float weight = w_sum.sum(), points = weight * weight / w2_sum.sum();
+  if (!(points >= kFewestPoints)) return false;
+  const Eigen::Vector2f offset(sums[kU].sum(), sums[kV].sum());
+  if (offset.norm() > MostOffCentre(points) * radius * weight) return false;
+  const Eigen::Vector3f position(sums[kX].sum(), sums[kY].sum(), sums[kZ].sum());
+  const Eigen::Vector3f sum(sums[kNx].sum(), sums[kNy].sum(), sums[kNz].sum());
+  const Eigen::Vector3f n = sum.normalized();
   const float facing = -n.dot(ray);
   if (!(facing > kLeastFacing * ray.norm())) return false;
-  *depth = (positions[3] + n.dot(positions.matrix().head<3>())) / (sum.dot(ray) - facing * weight);
+  *depth = (sums[kPlane].sum() + n.dot(position)) / (sum.dot(ray) - facing * weight);
   *normal = n;
   return *depth > 0;
 }
 
 void PointSurface::Build(const PointCloud& cloud, const Camera& camera, const std::vector<float>& u,
                          const std::vector<float>& v, const Image& inside,
-                         const PixelWindow& window, double radius, double tolerance, Image* depth,
-                         Image* normals) {
-  const int span = static_cast<int>(std::ceil(radius));
+                         const PixelWindow& window, double tolerance, double typical_depth,
+                         Image* depth, Image* normals) {
+  const auto focal_length = static_cast<float>(std::sqrt(camera.fx * camera.fy));
+  const auto limit = static_cast<float>(tolerance);
+  const int span =
+      static_cast<int>(std::ceil(RadiusAt(static_cast<float>(typical_depth), focal_length, limit)));
   const int x0 = std::max(0, window.x), x1 = std::min(camera.width, window.x + window.width);
   const int y0 = std::max(0, window.y), y1 = std::min(camera.height, window.y + window.height);
   *depth = Image(camera.width, camera.height);
@@ -163,8 +189,8 @@ void PointSurface::Build(const PointCloud& cloud, const Camera& camera, const st
         const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
         Eigen::Vector3f normal;
         float z = 0;
-        if (!FitPixel(x - grown.x, y - grown.y, static_cast<float>(radius),
-                      static_cast<float>(tolerance), ray.cast<float>(), &z, &normal)) {
+        if (!FitPixel(x - grown.x, y - grown.y, focal_length, limit, ray.cast<float>(), &z,
+                      &normal)) {
           continue;
         }
         *depth->at(x, y) = z;

@@ -1,9 +1,13 @@
 // Depth and normals of the visible side of an oriented cloud, per pixel.
 //
-// Of the points that face the camera and are seen within `radius` pixels of a pixel, the nearest
-// one and those within `tolerance` of its tangent plane are the front sheet. With weights w_i = (1
-// - rho_i^2 / radius^2)^2 of their distances rho_i in the image, n = sum w_i n_i normalised, and
-// the pixel's ray z d with d_z = 1, the surface is where
+// The nearest of the points that face the camera and are seen near a pixel, and those near its
+// tangent plane, are the front sheet. Point i, at distance rho_i from the
+// pixel in the image and h_i from that plane, has the weight
+//
+//   w_i = max(0, 1 - rho_i^2 / radius^2)^2 max(0, 1 - h_i^2 / tolerance^2)
+//
+// with radius = tolerance as seen at the nearest point's depth, and at least 1 pixel.
+// With n = sum w_i n_i normalised and the pixel's ray z d, d_z = 1, the surface is where
 //
 //   sum_i w_i (n_i + n) . (p_i - z d) = 0
 //
@@ -15,6 +19,7 @@
 #define CAGEFIT_CORE_IMAGE_POINT_SURFACE_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -31,28 +36,26 @@ class PointSurface {
   // Writes camera z to `depth` and unit normals in world axes, three channels, to `normals`, where
   // `inside` (one channel) is 1 and the surface is known, else 0. `cloud` has normals; (u[i], v[i])
   // is where the pinhole `camera` sees its point i, not numbers where it does not. `window` holds
-  // the pixels that are inside. `radius` in pixels, `tolerance` in the cloud's units. Requires
+  // the pixels that are inside. `tolerance`: in the cloud's units, at `typical_depth` when the
+  // nearest points are looked for. Requires
   // `inside` to be the camera's size.
   void Build(const PointCloud& cloud, const Camera& camera, const std::vector<float>& u,
              const std::vector<float>& v, const Image& inside, const PixelWindow& window,
-             double radius, double tolerance, Image* depth, Image* normals);
+             double tolerance, double typical_depth, Image* depth, Image* normals);
 
  private:
-  struct SurfacePoint {
-    Eigen::Array4f normal;    // camera axes; 1
-    Eigen::Array4f position;  // camera axes; normal . position
-    float u, v;               // from the window's first pixel
-  };
+  // Fields of the sorted points: where they are seen, from the window's first pixel; camera axes.
+  enum Field { kU, kV, kX, kY, kZ, kNx, kNy, kNz, kPlane, kFields };  // kPlane: normal . position
 
   void SortFacing(const PointCloud& cloud, const Camera& camera, const std::vector<float>& u,
                   const std::vector<float>& v, const PixelWindow& window);
   void FindNearest(int span);
-  bool FitPixel(int x, int y, float radius, float tolerance, const Eigen::Vector3f& ray,
+  bool FitPixel(int x, int y, float focal_length, float tolerance, const Eigen::Vector3f& ray,
                 float* depth, Eigen::Vector3f* normal) const;
 
   PixelBuckets pixels_;
   std::vector<float> facing_u_;
-  std::vector<SurfacePoint> points_;  // sorted
+  std::array<std::vector<float>, kFields> points_;  // a few more entries than points
   // Per pixel, the nearest point within the span: the bits of its depth, then its index.
   std::vector<uint64_t> nearest_in_row_, nearest_;
 };
