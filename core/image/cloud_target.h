@@ -8,8 +8,8 @@
 //
 // so that gaps by chance close, at any density within a factor of 4, and the outermost points stay
 // where they are. Independent random points do not reach the edge of the surface they are drawn
-// from: the outline lies inside it, by 0.01 s to 0.03 s at the rim of a smooth body, where many
-// points are seen close to the outline, and by 0.4 s where an open sheet ends. That is not
+// from: the outline lies inside it, by 0.01 s to 0.04 s at the rim of a smooth body, where many
+// points are seen close to the outline, and by 0.45 s where an open sheet ends. That is not
 // corrected, since points of a mesh or of a regular scan reach the edge, and the points do not tell
 // which they are; the distance to the cloud, which the fit compares too, ends at the same points.
 //

@@ -14,6 +14,7 @@ namespace {
 constexpr float kLeastFacing = 0.1f;  // cosine between the normal and the line of sight
 constexpr float kFewestPoints = 3;
 constexpr int kLanes = 4;
+constexpr float kOutOfReach = 1e9f;
 constexpr int64_t kGrain = 8192, kRowGrain = 8;
 
 // Positive floats are in the order of their bits, so that the least key is the nearest point, the
@@ -54,6 +55,7 @@ void PointSurface::SortFacing(const PointCloud& cloud, const Camera& camera,
   });
   pixels_.Build(facing_u_, v, window, 1);
   for (std::vector<float>& field : points_) field.resize(pixels_.size() + kLanes);
+  for (int lane = 0; lane < kLanes; ++lane) points_[kU][pixels_.size() + lane] = kOutOfReach;
   const Eigen::Matrix3f R = camera.R.cast<float>();
   const Eigen::Vector3f t = camera.t.cast<float>();
   ParallelFor(pixels_.size(), kGrain, [&](int64_t begin, int64_t end) {
@@ -114,8 +116,6 @@ bool PointSurface::FitPixel(int x, int y, float focal_length, float tolerance,
   if (key == kNone) return false;
   const auto nearest = static_cast<uint32_t>(key);
   using Lanes = Eigen::Array<float, kLanes, 1>;
-  // 1 for the points of a run, 0 behind its end.
-  static constexpr float kMask[2 * kLanes] = {1, 1, 1, 1, 0, 0, 0, 0};
   const auto lanes = [&](int field, int32_t k) -> Lanes {
     return Eigen::Map<const Lanes>(&points_[field][k]);
   };
@@ -134,6 +134,7 @@ bool PointSurface::FitPixel(int x, int y, float focal_length, float tolerance,
     const float gap = std::max(0.0f, static_cast<float>(std::abs(row - y)) - 0.5f);
     const int half =
         static_cast<int>(std::sqrt(std::max(0.0f, radius * radius - gap * gap)) + 0.5f);
+    // The last lanes may hold points behind the run: they are out of reach, and weigh nothing.
     const int32_t end = pixels_.begin(std::min(pixels_.width() - 1, x + half) + 1, row);
     for (int32_t k = pixels_.begin(std::max(0, x - half), row); k < end; k += kLanes) {
       const Lanes du = lanes(kU, k) - u, dv = lanes(kV, k) - v;
@@ -141,8 +142,7 @@ bool PointSurface::FitPixel(int x, int y, float focal_length, float tolerance,
           front_x * lanes(kX, k) + front_y * lanes(kY, k) + front_z * lanes(kZ, k) - front_plane;
       const Lanes closeness = (1 - inverse_radius2 * (du * du + dv * dv)).max(0.0f);
       const Lanes on_sheet = (1 - inverse_tolerance2 * height * height).max(0.0f);
-      const Eigen::Map<const Lanes> in_run(kMask + kLanes - std::min(kLanes, end - k));
-      const Lanes w = closeness * closeness * on_sheet * in_run;
+      const Lanes w = closeness * closeness * on_sheet;
       w_sum += w;
       w2_sum += w * w;
       sums[kU] += w * du;

@@ -1,12 +1,12 @@
 // Depth and normals of the visible side of an oriented cloud, per pixel.
 //
 // The nearest of the points that face the camera and are seen near a pixel, and those near its
-// tangent plane, are the front sheet. Point i, at distance rho_i from the
-// pixel in the image and h_i from that plane, has the weight
+// tangent plane, are the front sheet. Point i, at distance rho_i from the pixel in the image and
+// h_i from that plane, has the weight
 //
 //   w_i = max(0, 1 - rho_i^2 / radius^2)^2 max(0, 1 - h_i^2 / tolerance^2)
 //
-// with radius = tolerance as seen at the nearest point's depth, and at least 1 pixel.
+// where radius is `tolerance` as seen at the nearest point's depth, or 1 pixel if that is more.
 // With n = sum w_i n_i normalised and the pixel's ray z d, d_z = 1, the surface is where
 //
 //   sum_i w_i (n_i + n) . (p_i - z d) = 0
@@ -36,9 +36,8 @@ class PointSurface {
   // Writes camera z to `depth` and unit normals in world axes, three channels, to `normals`, where
   // `inside` (one channel) is 1 and the surface is known, else 0. `cloud` has normals; (u[i], v[i])
   // is where the pinhole `camera` sees its point i, not numbers where it does not. `window` holds
-  // the pixels that are inside. `tolerance`: in the cloud's units, at `typical_depth` when the
-  // nearest points are looked for. Requires
-  // `inside` to be the camera's size.
+  // the pixels that are inside. `tolerance` > 0 in the cloud's units; the nearest point is looked
+  // for as far as that is seen at `typical_depth` > 0. Requires `inside` to be the camera's size.
   void Build(const PointCloud& cloud, const Camera& camera, const std::vector<float>& u,
              const std::vector<float>& v, const Image& inside, const PixelWindow& window,
              double tolerance, double typical_depth, Image* depth, Image* normals);
