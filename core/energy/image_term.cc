@@ -106,7 +106,9 @@ double ImageTerm::Evaluate(const Points3d& V) {
 double ImageTerm::EvaluateView(size_t k) {
   View& view = views_[k];
   const ImageTarget& target = (*targets_)[k];
-  view.rendering.Render(Q_, m1_->topology.triangles(), edges_, target.camera, options_);
+  view.rendering.Render(
+      Q_, m1_->topology.triangles(), edges_, target.camera, options_,
+      weights_.depth > 0 || weights_.normals > 0 ? Surfaces::kVisible : Surfaces::kHidden);
   double sum = 0;
   if (weights_.silhouette > 0) {
     const Image& image = view.rendering.silhouette();

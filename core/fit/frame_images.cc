@@ -60,18 +60,18 @@ absl::Status FrameImages::BuildFromMasks(const std::vector<CameraMask>& masks,
 void FrameImages::BuildFromMesh(const TriangleMesh& mesh, const Normalization& normalization,
                                 const std::vector<Camera>& cameras, const ImageOptions& options) {
   const Points3d vertices = normalization.ToUnit(mesh.vertices);
+  const bool has_surfaces = options.depth_weight > 0 || options.normal_weight > 0;
+  const Surfaces surfaces = has_surfaces ? Surfaces::kVisible : Surfaces::kHidden;
   const MeshEdges edges(mesh.triangles);
   ParallelFor(static_cast<int64_t>(cameras.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
       MeshView view;
-      view.Render(vertices, mesh.triangles, edges, cameras[k], RenderOptions(options));
+      view.Render(vertices, mesh.triangles, edges, cameras[k], RenderOptions(options), surfaces);
       ImageTarget& target = targets_[k];
       target.camera = cameras[k];
       target.silhouette = view.silhouette();
-      if (options.depth_weight > 0 || options.normal_weight > 0) {
+      if (has_surfaces) {
         target.depth = DepthImage(view.depths());
-      }
-      if (options.normal_weight > 0) {
         target.normals = NormalImage(view.depths(), vertices, mesh.triangles, cameras[k]);
       }
     }
@@ -81,9 +81,11 @@ void FrameImages::BuildFromMesh(const TriangleMesh& mesh, const Normalization& n
 void FrameImages::BuildFromCloud(const PointCloud& cloud, double spacing,
                                  const std::vector<Camera>& cameras, const ImageOptions& options) {
   splatters_.resize(cameras.size());
+  const bool surfaces = options.depth_weight > 0 || options.normal_weight > 0;
+  const SplatImages images = surfaces ? SplatImages::kAll : SplatImages::kSilhouette;
   ParallelFor(static_cast<int64_t>(cameras.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
-      splatters_[k].Splat(cloud, spacing, cameras[k], &targets_[k], options.sigma);
+      splatters_[k].Splat(cloud, spacing, cameras[k], &targets_[k], options.sigma, images);
     }
   });
 }

@@ -53,7 +53,7 @@ double CloudSplatter::MedianDepth() {
 }
 
 void CloudSplatter::Splat(const PointCloud& cloud, double spacing, const Camera& camera,
-                          ImageTarget* target, double sigma_ndc) {
+                          ImageTarget* target, double sigma_ndc, SplatImages images) {
   target->camera = camera;
   target->observed = Image();
   Project(cloud, camera);
@@ -67,7 +67,7 @@ void CloudSplatter::Splat(const PointCloud& cloud, double spacing, const Camera&
                  SilhouetteReach(sigma_ndc, camera.half_side()), &distance_);
   target->silhouette =
       SilhouetteFromOutline(distance_, outline_.inside(), sigma_ndc, camera.half_side());
-  if (cloud.has_normals()) {
+  if (images == SplatImages::kAll && cloud.has_normals()) {
     surface_.Build(cloud, camera, u_, v_, outline_.inside(), outline_.window(), kSheet * spacing,
                    depth, &target->depth, &target->normals);
   } else {

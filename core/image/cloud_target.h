@@ -27,15 +27,17 @@
 
 namespace cagefit {
 
+enum class SplatImages { kSilhouette, kAll };
+
 // Buffers keep their capacity from view to view. One thread at a time; the result is the same to
 // the bit for any number of threads.
 class CloudSplatter {
  public:
   // Requires a camera without distortion; `spacing` > 0 as of MedianSpacing, in the cloud's units.
   // Points that are behind the camera, or far outside its image, count for nothing. `target` gets
-  // depth and normals when the cloud has normals.
+  // depth and normals, too, with kAll, when the cloud has normals.
   void Splat(const PointCloud& cloud, double spacing, const Camera& camera, ImageTarget* target,
-             double sigma_ndc = kSilhouetteSigma);
+             double sigma_ndc = kSilhouetteSigma, SplatImages images = SplatImages::kAll);
 
   // Of the last target, in its pixels.
   const Outline& outline() const { return outline_.outline(); }

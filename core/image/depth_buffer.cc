@@ -1,7 +1,6 @@
 #include "core/image/depth_buffer.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/parallel.h"
 #include "core/image/cross2.h"
@@ -11,6 +10,10 @@ namespace cagefit {
 namespace {
 
 constexpr int64_t kTileGrain = 64;
+
+// For -1 <= x: the library's need a call without SSE 4.1.
+int FloorOf(double x) { return static_cast<int>(x + 1) - 1; }
+int CeilOf(double x) { return (1 << 20) - static_cast<int>((1 << 20) - x); }
 
 }  // namespace
 
@@ -36,21 +39,20 @@ void DepthBuffer::RenderTile(const ProjectedMesh& mesh, const Triangles& triangl
                           c = mesh.points.col(triangles(2, f));
     const double area = Cross2((b - a).head<2>(), (c - a).head<2>());
     if (area == 0) continue;
-    const int x0 =
-                  static_cast<int>(std::ceil(std::max<double>(left, std::min({a[0], b[0], c[0]})))),
-              x1 = static_cast<int>(
-                  std::floor(std::min<double>(right, std::max({a[0], b[0], c[0]})))),
-              y0 = static_cast<int>(std::ceil(std::max<double>(top, std::min({a[1], b[1], c[1]})))),
-              y1 = static_cast<int>(
-                  std::floor(std::min<double>(bottom, std::max({a[1], b[1], c[1]}))));
+    const int x0 = CeilOf(std::max<double>(left, std::min({a[0], b[0], c[0]}))),
+              x1 = FloorOf(std::min<double>(right, std::max({a[0], b[0], c[0]}))),
+              y0 = CeilOf(std::max<double>(top, std::min({a[1], b[1], c[1]}))),
+              y1 = FloorOf(std::min<double>(bottom, std::max({a[1], b[1], c[1]})));
+    if (x0 > x1 || y0 > y1) continue;
+    const double scale = 1 / area, za = 1 / a[2], zb = 1 / b[2], zc = 1 / c[2];
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1; ++x) {
         const Eigen::Vector2d p(x, y);
-        const double wa = Cross2(b.head<2>() - p, c.head<2>() - p) / area,
-                     wb = Cross2(c.head<2>() - p, a.head<2>() - p) / area, wc = 1 - wa - wb;
+        const double wa = scale * Cross2(b.head<2>() - p, c.head<2>() - p),
+                     wb = scale * Cross2(c.head<2>() - p, a.head<2>() - p), wc = 1 - wa - wb;
         if (wa < 0 || wb < 0 || wc < 0) continue;
         // 1/z is linear in the image.
-        const double inverse = wa / a[2] + wb / b[2] + wc / c[2];
+        const double inverse = wa * za + wb * zb + wc * zc;
         const size_t at = static_cast<size_t>(y) * width_ + x;
         if (inverse <= inverse_depth_[at]) continue;
         inverse_depth_[at] = inverse;

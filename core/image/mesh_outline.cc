@@ -227,17 +227,4 @@ void MeshOutline::KeepOuter(const ProjectedMesh& mesh, const Triangles& triangle
   }
 }
 
-bool MeshOutline::IsCovered(const ProjectedMesh& mesh, const Triangles& triangles,
-                            const TriangleTiles& tiles, const Eigen::Vector2d& p) const {
-  for (const int32_t f : tiles.Near(p[0], p[1])) {
-    const Eigen::Vector2d a = At(mesh, triangles(0, f)) - p, b = At(mesh, triangles(1, f)) - p,
-                          c = At(mesh, triangles(2, f)) - p;
-    const double ab = Cross2(a, b), bc = Cross2(b, c);
-    if ((ab > 0) != (bc > 0)) continue;
-    const double ca = Cross2(c, a);
-    if ((ab > 0) == (ca > 0) && (ab != 0 || bc != 0 || ca != 0)) return true;
-  }
-  return false;
-}
-
 }  // namespace cagefit

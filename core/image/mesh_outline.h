@@ -62,8 +62,6 @@ class MeshOutline {
   void KeepOuter(const ProjectedMesh& mesh, const Triangles& triangles, const MeshEdges& edges,
                  const TriangleTiles& tiles, int32_t edge, const std::vector<Cut>& cuts,
                  std::vector<Piece>* pieces) const;
-  bool IsCovered(const ProjectedMesh& mesh, const Triangles& triangles, const TriangleTiles& tiles,
-                 const Eigen::Vector2d& p) const;
 
   Eigen::Vector2d low_, high_;  // what is looked at, pixels
   std::vector<int8_t> side_;    // per edge: 0, or on which side its triangles are

@@ -8,7 +8,7 @@
 namespace cagefit {
 
 void MeshView::Render(const Points3d& vertices, const Triangles& triangles, const MeshEdges& edges,
-                      const Camera& camera, const SilhouetteOptions& options) {
+                      const Camera& camera, const SilhouetteOptions& options, Surfaces surfaces) {
   vertices_ = &vertices;
   triangles_ = &triangles;
   edges_ = &edges;
@@ -18,10 +18,12 @@ void MeshView::Render(const Points3d& vertices, const Triangles& triangles, cons
   const double reach = SilhouetteReach(options.soft.sigma, camera.half_side());
   const int pad = static_cast<int>(std::ceil(reach)) + 1;
   tiles_.Build(projected_, triangles, camera.width, camera.height, /*margin=*/0, pad);
-  depths_.Render(projected_, triangles, tiles_, camera.width, camera.height);
+  if (surfaces == Surfaces::kVisible) {
+    depths_.Render(projected_, triangles, tiles_, camera.width, camera.height);
+  }
   if (mode_ == SilhouetteMode::kOutline) {
-    outline_.Render(projected_, triangles, edges, tiles_, depths_, options.soft.sigma,
-                    &silhouette_);
+    outline_.Render(projected_, triangles, edges, tiles_, camera.width, camera.height,
+                    options.soft.sigma, &silhouette_);
   } else {
     soft_.Render(projected_, triangles, camera.width, camera.height, options.soft, &silhouette_);
   }
@@ -69,7 +71,7 @@ Rendering RenderMesh(const TriangleMesh& mesh, const Camera& camera,
                      const SilhouetteOptions& options) {
   MeshView view;
   const MeshEdges edges(mesh.triangles);
-  view.Render(mesh.vertices, mesh.triangles, edges, camera, options);
+  view.Render(mesh.vertices, mesh.triangles, edges, camera, options, Surfaces::kVisible);
   return {view.silhouette(), DepthImage(view.depths()),
           NormalImage(view.depths(), mesh.vertices, mesh.triangles, camera)};
 }

@@ -17,6 +17,8 @@ enum class SilhouetteMode {
   kPytorch3d,  // soft_silhouette.h
 };
 
+enum class Surfaces { kHidden, kVisible };
+
 struct SilhouetteOptions {
   SilhouetteMode mode = SilhouetteMode::kOutline;
   SoftSilhouetteOptions soft;  // of these, kOutline takes sigma
@@ -27,12 +29,13 @@ class MeshView {
  public:
   // Renders the silhouette (width x height of the camera, whose distortion is left out) of
   // `vertices` (3 x n). `edges` are those of `triangles`; both must stay as they are until the last
-  // call for this rendering.
+  // call for this rendering. With Surfaces::kVisible the nearest triangles, too.
   void Render(const Points3d& vertices, const Triangles& triangles, const MeshEdges& edges,
-              const Camera& camera, const SilhouetteOptions& options);
+              const Camera& camera, const SilhouetteOptions& options,
+              Surfaces surfaces = Surfaces::kHidden);
 
   const Image& silhouette() const { return silhouette_; }
-  const DepthBuffer& depths() const { return depths_; }
+  const DepthBuffer& depths() const { return depths_; }  // with Surfaces::kVisible
   const ProjectedMesh& projected() const { return projected_; }
   // Of the last rendering in kOutline.
   const OutlineSilhouette& outline() const { return outline_; }

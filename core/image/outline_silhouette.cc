@@ -26,9 +26,8 @@ Eigen::Vector2d Normal(const Eigen::Vector2d& along) {
 }  // namespace
 
 void OutlineSilhouette::Render(const ProjectedMesh& mesh, const Triangles& triangles,
-                               const MeshEdges& edges, const TriangleTiles& tiles,
-                               const DepthBuffer& depths, double sigma, Image* silhouette) {
-  const int width = depths.width(), height = depths.height();
+                               const MeshEdges& edges, const TriangleTiles& tiles, int width,
+                               int height, double sigma, Image* silhouette) {
   const double half_side = 0.5 * std::min(width, height);
   const double reach = SilhouetteReach(sigma, half_side);
   const double variance = sigma * half_side * half_side;  // pixels^2
@@ -37,14 +36,19 @@ void OutlineSilhouette::Render(const ProjectedMesh& mesh, const Triangles& trian
   if (silhouette->width != width || silhouette->height != height || silhouette->channels != 1) {
     *silhouette = Image(width, height);
   }
+  inside_.resize(static_cast<size_t>(width) * height);
   found_.resize((height + kRowGrain - 1) / kRowGrain);
   ParallelFor(height, kRowGrain, [&](int64_t begin, int64_t end) {
     std::vector<Row>& rows = found_[begin / kRowGrain];
     rows.clear();
     for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < width; ++x) {
-        const bool inside = depths.IsCovered(x, y);
         const int32_t pixel = y * width + x;
+        // Between pixels that the outline is not near to, there is none.
+        const bool is_near = distance_.segment[pixel] >= 0 || x == 0 || reach < 1;
+        const bool inside = is_near ? IsCovered(mesh, triangles, tiles, Eigen::Vector2d(x, y))
+                                    : IsInside(pixel - 1);
+        inside_[pixel] = inside;
         float* A = silhouette->at(x, y);
         if (distance_.segment[pixel] < 0) {
           *A = inside ? 1 : 0;

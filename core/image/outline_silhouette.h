@@ -18,7 +18,6 @@
 
 #include <vector>
 
-#include "core/image/depth_buffer.h"
 #include "core/image/image.h"
 #include "core/image/mesh_outline.h"
 #include "core/image/outline_distance.h"
@@ -38,10 +37,12 @@ class OutlineSilhouette {
     double share;  // number of rows of this pixel
   };
 
-  // `tiles` as MeshOutline::Find wants them; `depths` covers the image.
+  // `tiles` as MeshOutline::Find wants them.
   void Render(const ProjectedMesh& mesh, const Triangles& triangles, const MeshEdges& edges,
-              const TriangleTiles& tiles, const DepthBuffer& depths, double sigma,
-              Image* silhouette);
+              const TriangleTiles& tiles, int width, int height, double sigma, Image* silhouette);
+
+  // Whether the mesh covers a pixel's centre.
+  bool IsInside(int32_t pixel) const { return inside_[pixel] != 0; }
 
   // Rows of the last rendering, in order of pixels.
   const std::vector<Row>& rows() const { return rows_; }
@@ -59,6 +60,7 @@ class OutlineSilhouette {
 
   MeshOutline outline_;
   OutlineDistance distance_;
+  std::vector<char> inside_;
   std::vector<std::vector<Row>> found_;  // per chunk of image rows
   std::vector<Row> rows_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/image/cross2.h"
 
 namespace cagefit {
 
@@ -28,9 +29,11 @@ void TriangleTiles::Build(const ProjectedMesh& mesh, const Triangles& triangles,
   columns_ = (width + 2 * pad + side - 1) / side;
   rows_ = (height + 2 * pad + side - 1) / side;
   ranges_.resize(count);
-  const auto tile_of = [side](double x, int tiles) {
-    // Outside the image by far may be beyond any integer.
-    return static_cast<int16_t>(std::clamp(std::floor(x / side), -1.0, static_cast<double>(tiles)));
+  const double per_pixel = 1.0 / side;
+  const auto tile_of = [per_pixel](double x, int tiles) {
+    // Outside the image by far may be beyond any integer. std::floor is a call without SSE 4.1.
+    return static_cast<int16_t>(
+        static_cast<int>(std::clamp(x * per_pixel, -1.0, static_cast<double>(tiles)) + 1) - 1);
   };
   ParallelFor(count, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t f = begin; f < end; ++f) {
@@ -74,6 +77,22 @@ absl::Span<const int32_t> TriangleTiles::Near(double x, double y) const {
   const double row = std::floor((y + pad_ + 0.5) / side_);
   if (!(column >= 0 && row >= 0 && column < columns_ && row < rows_)) return {};
   return at(static_cast<int64_t>(row) * columns_ + static_cast<int64_t>(column));
+}
+
+bool IsCovered(const ProjectedMesh& mesh, const Triangles& triangles, const TriangleTiles& tiles,
+               const Eigen::Vector2d& p) {
+  for (const int32_t f : tiles.Near(p[0], p[1])) {
+    const Eigen::Vector2d a = mesh.points.col(triangles(0, f)).head<2>() - p,
+                          b = mesh.points.col(triangles(1, f)).head<2>() - p;
+    const double ab = Cross2(a, b);
+    const Eigen::Vector2d c = mesh.points.col(triangles(2, f)).head<2>() - p;
+    const double bc = Cross2(b, c);
+    if (ab * bc < 0) continue;
+    const double ca = Cross2(c, a);
+    if (bc * ca < 0 || ab * ca < 0) continue;
+    if (ab != 0 || bc != 0 || ca != 0) return true;
+  }
+  return false;
 }
 
 }  // namespace cagefit

@@ -47,6 +47,11 @@ class TriangleTiles {
   std::vector<int32_t> begin_, triangles_;
 };
 
+// Whether a triangle holds pixel coordinates p, its edges included. `tiles` were built from the
+// same mesh without margin and hold p; triangles of no area hold nothing.
+bool IsCovered(const ProjectedMesh& mesh, const Triangles& triangles, const TriangleTiles& tiles,
+               const Eigen::Vector2d& p);
+
 }  // namespace cagefit
 
 #endif  // CAGEFIT_CORE_IMAGE_TRIANGLE_TILES_H_

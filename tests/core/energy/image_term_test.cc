@@ -30,7 +30,7 @@ struct Problem {
     const MeshEdges edges(shape.triangles);
     for (const Camera& camera : SphereViews(6, {0, 0, 0}, 0.7, 128)) {
       MeshView view;
-      view.Render(shape.vertices, shape.triangles, edges, camera, options);
+      view.Render(shape.vertices, shape.triangles, edges, camera, options, Surfaces::kVisible);
       ImageTarget target;
       target.camera = camera;
       target.silhouette = view.silhouette();
@@ -68,7 +68,7 @@ class MovingImage {
     for (int side = 0; side < 3; ++side) {
       Points3d Q;
       ApplyStencils(problem.m1->position, problem.cage.vertices + (side - 1) * step * motion, &Q);
-      views_[side].Render(Q, triangles, edges, camera, {});
+      views_[side].Render(Q, triangles, edges, camera, {}, Surfaces::kVisible);
       const DepthBuffer& depths = views_[side].depths();
       if (side == 1) normals_ = NormalImage(depths, Q, triangles, camera);
       if (weights.silhouette > 0) images_[side] = views_[side].silhouette();

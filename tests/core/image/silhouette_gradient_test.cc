@@ -55,10 +55,9 @@ struct Comparison {
 // What each pixel's value hangs on: whether it is covered, and its edges.
 std::vector<std::array<int32_t, 3>> Decisions(const MeshView& view) {
   std::vector<std::array<int32_t, 3>> out(view.silhouette().pixel_count(), {-1, -1, -1});
-  const int width = view.depths().width();
   for (const OutlineSilhouette::Row& row : view.outline().rows()) {
     auto& [covered, first, second] = out[row.pixel];
-    covered = view.depths().IsCovered(row.pixel % width, row.pixel / width);
+    covered = view.outline().IsInside(row.pixel);
     (first < 0 ? first : second) = row.edge;
   }
   return out;
@@ -67,7 +66,7 @@ std::vector<std::array<int32_t, 3>> Decisions(const MeshView& view) {
 // A in double precision: the image's would leave too little of a small difference.
 double Value(const MeshView& view, const Camera& camera, int32_t pixel) {
   const double d = view.outline().distance().distance[pixel] / camera.half_side();
-  const bool inside = view.depths().IsCovered(pixel % camera.width, pixel / camera.width);
+  const bool inside = view.outline().IsInside(pixel);
   const double A = 1 / (1 + std::exp((inside ? -d : d) * d / SoftSilhouetteOptions().sigma));
   if (view.outline().distance().segment[pixel] >= 0) {
     EXPECT_NEAR(A, view.silhouette().values[pixel], 1e-7);
