@@ -37,7 +37,7 @@ MeshEdges::MeshEdges(const Triangles& triangles) {
          k < half_edges.size() && half_edges[k].a == first.a && half_edges[k].b == first.b; ++k) {
       const int32_t h = half_edges[k].index;
       of_triangle_[h] = static_cast<int32_t>(vertices_.size());
-      sides_.push_back({h / 3, triangles((h % 3 + 2) % 3, h / 3)});
+      sides_.push_back({h / 3, static_cast<int8_t>(triangles.data()[h] == first.a ? 1 : -1)});
     }
     vertices_.push_back({first.a, first.b});
     begin_.push_back(static_cast<int32_t>(sides_.size()));

@@ -1,4 +1,4 @@
-// The edges of any triangle mesh, manifold or not, with the corners opposite to them.
+// The edges of any triangle mesh, manifold or not, with the triangles at them.
 #ifndef CAGEFIT_CORE_IMAGE_MESH_EDGES_H_
 #define CAGEFIT_CORE_IMAGE_MESH_EDGES_H_
 
@@ -18,7 +18,7 @@ class MeshEdges {
   // A triangle's edge, seen from the triangle.
   struct Side {
     int32_t triangle;
-    int32_t apex;  // the triangle's vertex that is not on the edge
+    int8_t direction;  // +1 where the triangle runs along the edge from its first vertex, or -1
   };
 
   explicit MeshEdges(const Triangles& triangles);

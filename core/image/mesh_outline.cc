@@ -21,17 +21,11 @@ Eigen::Vector2d At(const ProjectedMesh& mesh, int32_t vertex) {
 }
 
 // +1 or -1 where all triangles of the edge are on that side of it, else 0.
-int8_t SideOfAll(const ProjectedMesh& mesh, const Triangles& triangles, const MeshEdges& edges,
-                 int64_t e) {
-  const auto& [a, b] = edges.vertices(e);
-  if (!mesh.IsSeen(a) || !mesh.IsSeen(b)) return 0;
-  const Eigen::Vector2d origin = At(mesh, a), along = At(mesh, b) - origin;
+int8_t SideOfAll(const std::vector<int8_t>& turn, const MeshEdges& edges, int64_t e) {
   int8_t side = 0;
   for (const MeshEdges::Side& s : edges.sides(e)) {
-    if (!mesh.IsSeen(triangles, s.triangle)) continue;
-    const double cross = Cross2(along, At(mesh, s.apex) - origin);
-    if (cross == 0) continue;
-    const int8_t sign = cross > 0 ? 1 : -1;
+    const auto sign = static_cast<int8_t>(turn[s.triangle] * s.direction);
+    if (sign == 0) continue;
     if (side == -sign) return 0;
     side = sign;
   }
@@ -104,9 +98,19 @@ void MeshOutline::Find(const ProjectedMesh& mesh, const Triangles& triangles,
 
 void MeshOutline::FindFolds(const ProjectedMesh& mesh, const Triangles& triangles,
                             const MeshEdges& edges) {
+  turn_.resize(triangles.cols());
+  ParallelFor(triangles.cols(), kEdgeGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t f = begin; f < end; ++f) {
+      turn_[f] = 0;
+      if (!mesh.IsSeen(triangles, f)) continue;
+      const Eigen::Vector2d a = At(mesh, triangles(0, f));
+      const double area = Cross2(At(mesh, triangles(1, f)) - a, At(mesh, triangles(2, f)) - a);
+      turn_[f] = static_cast<int8_t>((area > 0) - (area < 0));
+    }
+  });
   side_.resize(edges.size());
   ParallelFor(edges.size(), kEdgeGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t e = begin; e < end; ++e) side_[e] = SideOfAll(mesh, triangles, edges, e);
+    for (int64_t e = begin; e < end; ++e) side_[e] = SideOfAll(turn_, edges, e);
   });
   folds_.clear();
   for (int64_t e = 0; e < edges.size(); ++e) {

@@ -43,6 +43,9 @@ class MeshOutline {
   // Segment k is piece k.
   const Outline& outline() const { return outline_; }
   const std::vector<Piece>& pieces() const { return pieces_; }
+  // +1 where the shape is on the left of the piece's edge, seen from its first vertex with x to the
+  // right and y upwards, or -1.
+  int side(const Piece& piece) const { return side_[piece.edge]; }
 
  private:
   struct Cut {
@@ -64,6 +67,8 @@ class MeshOutline {
                  std::vector<Piece>* pieces) const;
 
   Eigen::Vector2d low_, high_;  // what is looked at, pixels
+  std::vector<int8_t>
+      turn_;  // per triangle: the sign of its area in the image; 0: none, or not seen
   std::vector<int8_t> side_;    // per edge: 0, or on which side its triangles are
   std::vector<int32_t> folds_;  // edges that may be outline
   double bin_side_ = 1;

@@ -23,6 +23,14 @@ Eigen::Vector2d Normal(const Eigen::Vector2d& along) {
   return Eigen::Vector2d(-along[1], along[0]).normalized();
 }
 
+// Edge e as a + t along.
+void Ends(const ProjectedMesh& mesh, const MeshEdges& edges, int32_t e, Eigen::Vector2d* a,
+          Eigen::Vector2d* along) {
+  const auto& [va, vb] = edges.vertices(e);
+  *a = mesh.points.col(va).head<2>();
+  *along = mesh.points.col(vb).head<2>() - *a;
+}
+
 }  // namespace
 
 void OutlineSilhouette::Render(const ProjectedMesh& mesh, const Triangles& triangles,
@@ -41,22 +49,28 @@ void OutlineSilhouette::Render(const ProjectedMesh& mesh, const Triangles& trian
   ParallelFor(height, kRowGrain, [&](int64_t begin, int64_t end) {
     std::vector<Row>& rows = found_[begin / kRowGrain];
     rows.clear();
+    const auto is_covered = [&](const Eigen::Vector2d& p) {
+      return IsCovered(mesh, triangles, tiles, p);
+    };
     for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < width; ++x) {
         const int32_t pixel = y * width + x;
-        // Between pixels that the outline is not near to, there is none.
-        const bool is_near = distance_.segment[pixel] >= 0 || x == 0 || reach < 1;
-        const bool inside = is_near ? IsCovered(mesh, triangles, tiles, Eigen::Vector2d(x, y))
-                                    : IsInside(pixel - 1);
-        inside_[pixel] = inside;
-        float* A = silhouette->at(x, y);
-        if (distance_.segment[pixel] < 0) {
-          *A = inside ? 1 : 0;
+        const Eigen::Vector2d p(x, y);
+        const int32_t k = distance_.segment[pixel];
+        if (k < 0) {
+          // Between pixels that the outline is not near to, there is none.
+          const bool follows = x > 0 && reach >= 1;
+          inside_[pixel] = follows ? inside_[pixel - 1] : is_covered(p);
+          *silhouette->at(x, y) = inside_[pixel];
           continue;
         }
+        const Foot foot = FootOf(mesh, edges, pixel, p);
+        const double beside = outline_.side(outline_.pieces()[k]) * Cross2(foot.along, p - foot.a);
+        inside_[pixel] = foot.end == 0 ? beside > 0 : is_covered(p);
         const double d = distance_.distance[pixel];
-        *A = static_cast<float>(Sigmoid((inside ? d : -d) * d / variance));
-        if (d > 0) AddRows(mesh, edges, pixel, Eigen::Vector2d(x, y), inside, variance, &rows);
+        const double value = Sigmoid((inside_[pixel] != 0 ? d : -d) * d / variance);
+        *silhouette->at(x, y) = static_cast<float>(value);
+        if (d > 0) AddRows(mesh, edges, pixel, p, foot, value, variance, &rows);
       }
     }
   });
@@ -64,42 +78,42 @@ void OutlineSilhouette::Render(const ProjectedMesh& mesh, const Triangles& trian
   for (const std::vector<Row>& rows : found_) rows_.insert(rows_.end(), rows.begin(), rows.end());
 }
 
-void OutlineSilhouette::AddRows(const ProjectedMesh& mesh, const MeshEdges& edges, int32_t pixel,
-                                const Eigen::Vector2d& p, bool inside, double variance,
-                                std::vector<Row>* rows) const {
+OutlineSilhouette::Foot OutlineSilhouette::FootOf(const ProjectedMesh& mesh, const MeshEdges& edges,
+                                                  int32_t pixel, const Eigen::Vector2d& p) const {
   const MeshOutline::Piece& piece = outline_.pieces()[distance_.segment[pixel]];
-  const auto ends = [&](int32_t edge, Eigen::Vector2d* a, Eigen::Vector2d* along) {
-    const auto& [va, vb] = edges.vertices(edge);
-    *a = mesh.points.col(va).head<2>();
-    *along = mesh.points.col(vb).head<2>() - *a;
-  };
-  Eigen::Vector2d a, along;
-  ends(piece.edge, &a, &along);
-  const double free = (p - a).dot(along) / along.squaredNorm();
-  const double t = std::clamp(free, piece.t0, piece.t1);
-  const Eigen::Vector2d from = p - (a + t * along);
+  Foot foot;
+  Ends(mesh, edges, piece.edge, &foot.a, &foot.along);
+  const double free = (p - foot.a).dot(foot.along) / foot.along.squaredNorm();
+  foot.t = std::clamp(free, piece.t0, piece.t1);
+  foot.end = free < piece.t0 ? -1 : free > piece.t1 ? 1 : 0;
+  return foot;
+}
+
+void OutlineSilhouette::AddRows(const ProjectedMesh& mesh, const MeshEdges& edges, int32_t pixel,
+                                const Eigen::Vector2d& p, const Foot& foot, double value,
+                                double variance, std::vector<Row>* rows) const {
+  const MeshOutline::Piece& piece = outline_.pieces()[distance_.segment[pixel]];
+  const Eigen::Vector2d from = p - (foot.a + foot.t * foot.along);
   const double d = from.norm();
   if (!(d > 0)) return;
-  const double value = Sigmoid((inside ? d : -d) * d / variance);
   const double slope = value * (1 - value) * 2 * d / variance;
-  const Eigen::Vector2d by_point = (inside ? -slope : slope) / d * from;
-  const int32_t crossing = free < piece.t0   ? piece.crossing0
-                           : free > piece.t1 ? piece.crossing1
-                                             : -1;
+  const Eigen::Vector2d by_point = (IsInside(pixel) ? -slope : slope) / d * from;
+  const int32_t crossing = foot.end < 0 ? piece.crossing0 : foot.end > 0 ? piece.crossing1 : -1;
   if (crossing >= 0) {
     Eigen::Vector2d e, across;
-    ends(crossing, &e, &across);
+    Ends(mesh, edges, crossing, &e, &across);
     Eigen::Matrix2d M;
-    M << Normal(along).transpose(), Normal(across).transpose();
+    M << Normal(foot.along).transpose(), Normal(across).transpose();
     if (std::abs(M.determinant()) >= kLeastSine) {
-      const double u = std::clamp(Cross2(e - a, along) / Cross2(along, across), 0.0, 1.0);
+      const double u =
+          std::clamp(Cross2(e - foot.a, foot.along) / Cross2(foot.along, across), 0.0, 1.0);
       const Eigen::Vector2d share = M.transpose().inverse() * by_point;
-      rows->push_back({pixel, piece.edge, t, share[0] * M.row(0).transpose(), 2});
+      rows->push_back({pixel, piece.edge, foot.t, share[0] * M.row(0).transpose(), 2});
       rows->push_back({pixel, crossing, u, share[1] * M.row(1).transpose(), 2});
       return;
     }
   }
-  rows->push_back({pixel, piece.edge, t, by_point, 1});
+  rows->push_back({pixel, piece.edge, foot.t, by_point, 1});
 }
 
 void OutlineSilhouette::AddGradient(const MeshEdges& edges, const Image& by_silhouette,

@@ -54,8 +54,16 @@ class OutlineSilhouette {
   const OutlineDistance& distance() const { return distance_; }
 
  private:
+  // The outline's point nearest to a pixel that it is near to.
+  struct Foot {
+    Eigen::Vector2d a, along;  // its edge
+    double t;
+    int end;  // of the piece: -1 its begin, 1 its end, 0 between them
+  };
+  Foot FootOf(const ProjectedMesh& mesh, const MeshEdges& edges, int32_t pixel,
+              const Eigen::Vector2d& p) const;
   void AddRows(const ProjectedMesh& mesh, const MeshEdges& edges, int32_t pixel,
-               const Eigen::Vector2d& p, bool inside, double variance,
+               const Eigen::Vector2d& p, const Foot& foot, double value, double variance,
                std::vector<Row>* rows) const;
 
   MeshOutline outline_;
