@@ -44,6 +44,7 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
                              stiffness > kStiffnessFactor || radius > 1);
   };
   set_coarseness();
+  objective->UseAllViews();
   objective->set_arap_weight(arap_weight);
   out.initial = out.final = objective->Assign(*V, &half_gradient);
   if (!std::isfinite(out.initial.total())) {
@@ -52,7 +53,11 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
   // Stiff first, so that what moved as a whole is carried as a whole; the details follow. Without
   // this the surface falls straight onto the target and then has to slide along it.
   objective->set_arap_weight(stiffness * arap_weight);
-  Energies energies = objective->Reevaluate(*V, &half_gradient);
+  const bool draws = objective->images() != nullptr && objective->images()->draws();
+  objective->DrawViews(0);
+  Energies energies =
+      draws ? objective->Evaluate(*V, &half_gradient) : objective->Reevaluate(*V, &half_gradient);
+  double judged = 0;  // energy by all views when it was last asked for; 0: never
   double damping = kInitialDamping;
   bool stale = true;       // the system does not hold the current linearisation
   bool elsewhere = false;  // the objective was last evaluated at a trial that was not taken
@@ -94,13 +99,26 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
     stiffness = std::max(1.0, stiffness / kStiffnessFactor);
     radius = std::max(1.0, radius / kRadiusFactor);
     set_coarseness();
+    objective->DrawViews(out.iterations);
     energies = out.iterations < kMaxAssignments ? objective->Assign(*V, &half_gradient)
                                                 : objective->Reevaluate(*V, &half_gradient);
     stale = true;
     const double least = options.relative_decrease * before;
+    if (draws) {
+      // Energies of other views do not compare. Where those of one set end, all are asked.
+      if (!finest || (!exhausted && decrease > least)) continue;
+      objective->UseAllViews();
+      const double all = objective->Evaluate(*V, nullptr).total();
+      out.converged = exhausted || (judged > 0 && judged - all <= options.relative_decrease * all);
+      judged = all;
+      objective->DrawViews(out.iterations);
+      energies = objective->Evaluate(*V, &half_gradient);
+      continue;
+    }
     if (finest && accepted && energies.total() > before + kSmallRise * least) {
       // A shorter step slides less.
       V->swap(trial);
+      objective->Evaluate(*V, nullptr);
       energies = objective->Assign(*V, &half_gradient);
       damping = std::min(kMostDamping, 10 * std::max(damping, kSlidingDamping));
       out.converged = promised <= least || damping >= kMostDamping;
@@ -110,7 +128,9 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
   }
   objective->set_arap_weight(arap_weight);
   if (IsCancelled(cancelled)) return absl::CancelledError("fit: cancelled");
-  out.final = elsewhere ? objective->Evaluate(*V, nullptr) : objective->Reevaluate(*V, nullptr);
+  objective->UseAllViews();
+  out.final =
+      elsewhere || draws ? objective->Evaluate(*V, nullptr) : objective->Reevaluate(*V, nullptr);
   return out;
 }
 
