@@ -20,9 +20,9 @@ constexpr size_t kChunkBytes = 1 << 20;
 constexpr size_t kMaxBlobBytes = size_t{1} << 30;
 constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
 
-// The whole of a streamed result.
-absl::StatusOr<std::string> ReadBlob(grpc::ClientContext* context,
-                                     std::unique_ptr<grpc::ClientReader<v1::DataChunk>> reader) {
+// The whole of a streamed result. Reader: ClientReader or ClientReaderWriter of chunks.
+template <typename Reader>
+absl::StatusOr<std::string> ReadBlob(grpc::ClientContext* context, std::unique_ptr<Reader> reader) {
   std::string blob;
   v1::DataChunk chunk;
   while (reader->Read(&chunk)) {
@@ -39,6 +39,19 @@ absl::StatusOr<std::string> ReadBlob(grpc::ClientContext* context,
         absl::StrCat("received ", blob.size(), " of ", chunk.total_bytes(), " bytes"));
   }
   return blob;
+}
+
+// Sends one large message. Writer: of chunks of the given type. Who is not listened to is told by
+// Finish.
+template <typename Chunk, typename Writer>
+void WriteBlob(const std::string& blob, Writer* writer) {
+  Chunk chunk;
+  chunk.set_total_bytes(blob.size());
+  for (size_t sent = 0; sent < blob.size(); sent += kChunkBytes) {
+    chunk.set_data(blob.data() + sent, std::min(kChunkBytes, blob.size() - sent));
+    if (!writer->Write(chunk)) break;
+  }
+  writer->WritesDone();
 }
 
 }  // namespace
@@ -77,15 +90,8 @@ absl::StatusOr<v1::Session> FitClient::CreateSession(const v1::CreateSessionRequ
         FromGrpc(connection_->stub->CreateSession(&context, request, &session), context));
     return session;
   }
-  const std::string blob = request.SerializeAsString();
   const auto writer = connection_->stub->CreateSessionFromStream(&context, &session);
-  v1::CreateSessionChunk chunk;
-  chunk.set_total_bytes(blob.size());
-  for (size_t sent = 0; sent < blob.size(); sent += kChunkBytes) {
-    chunk.set_data(blob.data() + sent, std::min(kChunkBytes, blob.size() - sent));
-    if (!writer->Write(chunk)) break;  // Finish says why
-  }
-  writer->WritesDone();
+  WriteBlob<v1::CreateSessionChunk>(request.SerializeAsString(), writer.get());
   RETURN_IF_ERROR(FromGrpc(writer->Finish(), context));
   return session;
 }
@@ -132,6 +138,26 @@ absl::StatusOr<ControlMesh> FitClient::GetControlMesh(const v1::GetControlMeshRe
 absl::StatusOr<std::string> FitClient::GetSurface(const v1::GetSurfaceRequest& request) {
   grpc::ClientContext context;
   return ReadBlob(&context, connection_->stub->GetSurface(&context, request));
+}
+
+absl::StatusOr<v1::Stencils> FitClient::GetStencils(const v1::GetStencilsRequest& request) {
+  grpc::ClientContext context;
+  ASSIGN_OR_RETURN(const std::string blob,
+                   ReadBlob(&context, connection_->stub->GetStencils(&context, request)));
+  v1::Stencils stencils;
+  if (!stencils.ParseFromString(blob)) return absl::DataLossError("stencils: cannot be parsed");
+  return stencils;
+}
+
+absl::StatusOr<v1::EvaluateLossReply> FitClient::EvaluateLoss(
+    const v1::EvaluateLossRequest& request) {
+  grpc::ClientContext context;
+  auto stream = connection_->stub->EvaluateLoss(&context);
+  WriteBlob<v1::DataChunk>(request.SerializeAsString(), stream.get());
+  ASSIGN_OR_RETURN(const std::string blob, ReadBlob(&context, std::move(stream)));
+  v1::EvaluateLossReply reply;
+  if (!reply.ParseFromString(blob)) return absl::DataLossError("loss: cannot be parsed");
+  return reply;
 }
 
 absl::StatusOr<std::unique_ptr<FrameStream>> FitClient::OpenStream(const std::string& session_id) {

@@ -86,6 +86,9 @@ class FitClient {
   absl::StatusOr<ControlMesh> GetControlMesh(const v1::GetControlMeshRequest& request);
   absl::StatusOr<std::string> GetSurface(const v1::GetSurfaceRequest& request);  // Draco mesh
 
+  absl::StatusOr<v1::Stencils> GetStencils(const v1::GetStencilsRequest& request);
+  absl::StatusOr<v1::EvaluateLossReply> EvaluateLoss(const v1::EvaluateLossRequest& request);
+
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenStream(const std::string& session_id);
 
  private:

@@ -60,7 +60,8 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
   app->add_option("--max-history-mib", o->max_history_mib, "Stored replies of a session")
       ->capture_default_str();
   app->add_option("--max-streams", o->max_streams, "Open streams")->capture_default_str();
-  app->add_option("--max-buffered-mib", o->max_buffered_mib, "Unanswered frames of all streams")
+  app->add_option("--max-buffered-mib", o->max_buffered_mib,
+                  "In flight of all calls: unanswered frames, unsent results")
       ->capture_default_str();
   app->add_option("--threads", o->threads, "Threads of all fits together; 0: one per core")
       ->capture_default_str();

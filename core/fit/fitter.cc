@@ -15,6 +15,7 @@
 #include "core/fit/objective.h"
 #include "core/fit/step_system.h"
 #include "core/subdiv/limit.h"
+#include "core/subdiv/surface_projector.h"
 #include "core/subdiv/surface_sampler.h"
 
 namespace cagefit {
@@ -26,15 +27,25 @@ constexpr double kMostFirstRadius = 4;
 // Area sampling draws the same points for every session on one template.
 constexpr uint64_t kSamplingSeed = 1;
 constexpr double kSameSize = 0.1;  // of the logarithm
+// Unit coordinates of what Evaluate takes: the search for the nearest point squares them as floats.
+constexpr double kFarthest = 1e6;
+
+absl::Status CheckVertices(const char* name, const Points3d& V, int64_t n) {
+  if (V.cols() == n && V.allFinite()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s: %d vertices; %d finite ones are needed", name, V.cols(), n));
+}
 
 absl::Status CheckStarts(const std::vector<Points3d>& starts, int64_t n) {
   if (starts.empty()) return absl::InvalidArgumentError("starts: none");
-  for (const Points3d& start : starts) {
-    if (start.cols() == n && start.allFinite()) continue;
-    return absl::InvalidArgumentError(
-        absl::StrFormat("start: %d vertices; %d finite ones are needed", start.cols(), n));
-  }
+  for (const Points3d& start : starts) RETURN_IF_ERROR(CheckVertices("start", start, n));
   return absl::OkStatus();
+}
+
+absl::Status CheckTarget(const PointCloud& target) {
+  RETURN_IF_ERROR(ValidateTarget(target));
+  if (target.has_normals()) return absl::OkStatus();
+  return absl::InvalidArgumentError("target: it has no normals");
 }
 
 // Loose feet blur the energy, by their square, by less than what ends the solver.
@@ -42,7 +53,8 @@ double FootTolerance(const SolverOptions& options) {
   return std::clamp(0.1 * std::sqrt(options.relative_decrease), 1e-5, 1e-2);
 }
 
-Objective MakeObjective(const ControlMesh& mesh, StencilMatrix samples, const FitOptions& options) {
+Objective MakeObjective(const ControlMesh& mesh, StencilMatrix samples, const FitOptions& options,
+                        double foot_tolerance) {
   const bool shows = options.image.views != Views::kNone;
   std::shared_ptr<const RefinedSurface> m1;
   std::unique_ptr<CoverageTerm> coverage;
@@ -51,8 +63,7 @@ Objective MakeObjective(const ControlMesh& mesh, StencilMatrix samples, const Fi
     m1 = std::make_shared<RefinedSurface>(mesh.topology(), mesh.tags());
   }
   if (options.coverage.weight > 0) {
-    coverage = std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags(),
-                                              FootTolerance(options.solver), m1);
+    coverage = std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags(), foot_tolerance, m1);
   }
   if (shows) {
     images = std::make_unique<ImageTerm>(m1, RenderOptions(options.image),
@@ -63,6 +74,12 @@ Objective MakeObjective(const ControlMesh& mesh, StencilMatrix samples, const Fi
 
 }  // namespace
 
+absl::StatusOr<StencilMatrix> FitSamples(const ControlMesh& template_mesh,
+                                         const DistanceOptions& options) {
+  return SampleStencils(template_mesh, options.sampling, options.samples_per_triangle,
+                        kSamplingSeed);
+}
+
 struct Fitter::State {
   State(const ControlMesh& template_mesh, StencilMatrix samples, const Normalization& normalization,
         const FitOptions& options)
@@ -70,7 +87,7 @@ struct Fitter::State {
         normalization(normalization),
         options(options),
         rest(normalization.ToUnit(mesh.vertices())),
-        objective(MakeObjective(mesh, std::move(samples), options)),
+        objective(MakeObjective(mesh, std::move(samples), options, FootTolerance(options.solver))),
         system(objective) {
     objective.SetRest(rest);
   }
@@ -130,12 +147,22 @@ struct Fitter::State {
     return first;
   }
 
-  // The rest mesh for a start V: in its size, where the two differ by more than a tenth. Rotations
-  // start afresh, so that the result depends on nothing but the arguments.
-  void SetRest(const Points3d& V) {
-    if (options.arap.rest == RestMesh::kPreviousFrame) return objective.SetRest(V);
+  // Sets the rest mesh for a start V: in its size, where the two differ by more than a tenth.
+  // Rotations start afresh, so that the result depends on nothing but the arguments.
+  void SetRest(const Points3d& V, Objective* of) const {
+    if (options.arap.rest == RestMesh::kPreviousFrame) return of->SetRest(V);
     const double ratio = MeanEdgeLength(mesh.topology(), V) / MeanEdgeLength(mesh.topology(), rest);
-    objective.SetRest(std::abs(std::log(ratio)) > kSameSize ? Points3d(ratio * rest) : rest);
+    of->SetRest(std::abs(std::log(ratio)) > kSameSize ? Points3d(ratio * rest) : rest);
+  }
+
+  // What Evaluate evaluates: its feet are exact, because a foot that is off by e puts an error of
+  // the order of e into the gradient, while the solvers only mind that of e^2 in the energy.
+  Objective& Loss() {
+    if (loss == nullptr) {
+      loss = std::make_unique<Objective>(
+          MakeObjective(mesh, objective.stencils(), options, SurfaceProjector::kTolerance));
+    }
+    return *loss;
   }
 
   absl::StatusOr<Minimization> Minimize(const CancelFn& cancelled, Points3d* V) {
@@ -157,18 +184,20 @@ struct Fitter::State {
   Objective objective;
   StepSystem system;
   FrameTarget frame;
+  bool has_frame = false;    // `frame` is that of the last fit
   double far_off = 0;        // of the chosen start, unit coordinates
   LimitMesh alignment_mesh;  // empty until a start is far off
-  Points3d half_gradient;    // work space
+
+  // Of Evaluate, and none of Fit's: empty until they are needed.
+  std::unique_ptr<Objective> loss;
+  std::unique_ptr<FrameTarget> loss_frame;
 };
 
 absl::StatusOr<Fitter> Fitter::Create(const ControlMesh& template_mesh,
                                       const Normalization& normalization,
                                       const FitOptions& options) {
   RETURN_IF_ERROR(options.Validate());
-  ASSIGN_OR_RETURN(StencilMatrix samples,
-                   SampleStencils(template_mesh, options.distance.sampling,
-                                  options.distance.samples_per_triangle, kSamplingSeed));
+  ASSIGN_OR_RETURN(StencilMatrix samples, FitSamples(template_mesh, options.distance));
   return Fitter(std::make_unique<State>(template_mesh, std::move(samples), normalization, options));
 }
 
@@ -183,18 +212,19 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
                                        Points3d* fitted, const ImageSource& images) {
   State& s = *state_;
   RETURN_IF_ERROR(CheckStarts(starts, s.rest.cols()));
-  RETURN_IF_ERROR(ValidateTarget(target));
-  if (!target.has_normals()) return absl::InvalidArgumentError("target: it has no normals");
+  RETURN_IF_ERROR(CheckTarget(target));
   const auto now = [&] { return clock ? clock() : 0.0; };
 
   const double t_start = now();
+  s.has_frame = false;
   RETURN_IF_ERROR(s.frame.Build(target, s.normalization, s.options, s.rest.cols(), images));
+  s.has_frame = true;
   s.objective.set_arap_weight(s.frame.ArapWeight(s.options, s.rest.cols()));
   const double t_indexed = now();
 
   Points3d V;
   const int chosen = s.Begin(starts, &V);
-  s.SetRest(V);
+  s.SetRest(V, &s.objective);
   ASSIGN_OR_RETURN(const Minimization result, s.Minimize(cancelled, &V));
   if (!V.allFinite() || !std::isfinite(result.final.total())) {
     return absl::InternalError("fit: diverged, the control vertices are not finite");
@@ -219,6 +249,40 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   summary.index_ms = t_indexed - t_start;
   summary.solve_ms = now() - t_indexed;
   return summary;
+}
+
+absl::StatusOr<Energies> Fitter::Evaluate(const PointCloud* target, const Points3d& start,
+                                          const Points3d& vertices, const CancelFn& cancelled,
+                                          Points3d* gradient) {
+  State& s = *state_;
+  const int64_t n = s.rest.cols();
+  RETURN_IF_ERROR(CheckVertices("start", start, n));
+  RETURN_IF_ERROR(CheckVertices("vertices", vertices, n));
+  const Points3d V = s.normalization.ToUnit(vertices);
+  if (V.cwiseAbs().maxCoeff() > kFarthest) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "vertices: one is %g times the first target's longest side away; at most %g are allowed",
+        V.cwiseAbs().maxCoeff(), kFarthest));
+  }
+  const FrameTarget* frame = &s.frame;
+  if (target != nullptr) {
+    RETURN_IF_ERROR(CheckTarget(*target));
+    if (s.loss_frame == nullptr) s.loss_frame = std::make_unique<FrameTarget>();
+    RETURN_IF_ERROR(s.loss_frame->Build(*target, s.normalization, s.options, n));
+    frame = s.loss_frame.get();
+  } else if (!s.has_frame) {
+    return absl::FailedPreconditionError("target: none is given and nothing was fitted to one");
+  }
+  if (IsCancelled(cancelled)) return absl::CancelledError("loss: cancelled");
+  Objective& loss = s.Loss();
+  loss.set_arap_weight(frame->ArapWeight(s.options, n));
+  loss.SetTarget(frame->objective_target());
+  s.SetRest(s.normalization.ToUnit(start), &loss);
+  if (IsCancelled(cancelled)) return absl::CancelledError("loss: cancelled");
+  const Energies energies = loss.Assign(V, gradient);
+  // dE/dV_user = dV_unit/dV_user dE/dV_unit, and the objective gives half of that.
+  if (gradient != nullptr) *gradient *= 2 * s.normalization.scale;
+  return energies;
 }
 
 }  // namespace cagefit

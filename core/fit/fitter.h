@@ -15,6 +15,7 @@
 #include "core/fit/frame_images.h"
 #include "core/fit/normalization.h"
 #include "core/mesh/control_mesh.h"
+#include "core/subdiv/stencils.h"
 
 namespace cagefit {
 
@@ -37,6 +38,11 @@ struct FitSummary {
 // Reads milliseconds; core has no clock of its own. May be empty.
 using ClockFn = std::function<double()>;
 
+// The points of the limit surface, as rows over the control vertices, that every fit of
+// `template_mesh` holds to its target. Errors as of SampleStencils.
+absl::StatusOr<StencilMatrix> FitSamples(const ControlMesh& template_mesh,
+                                         const DistanceOptions& options);
+
 // Not thread-safe; one user at a time. Buffers are kept from frame to frame.
 class Fitter {
  public:
@@ -58,6 +64,19 @@ class Fitter {
   absl::StatusOr<FitSummary> Fit(const PointCloud& target, const std::vector<Points3d>& starts,
                                  const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted,
                                  const ImageSource& images = {});
+
+  // The energies of control vertices (3 x n, user units), weighted as in a fit to `target`
+  // (validated, with normals; user units; null: that of the last Fit) from `start`, whose rest mesh
+  // is taken, and their gradient dE/dvertices (3 x n, 1 / user unit) unless that is null. Radius
+  // and branch of every sample and the feet of covered points are chosen at `vertices`: the energy
+  // is smooth but where these choices change, and the gradient exact where it is, but for the
+  // weights of Field::kRimls, which it holds. A pure function of Create's arguments, `target`,
+  // `start` and `vertices`; no later Fit depends on it. INVALID_ARGUMENT for vertices that are not
+  // n finite ones, or a million times the first target's size away; FAILED_PRECONDITION without a
+  // target; CANCELLED.
+  absl::StatusOr<Energies> Evaluate(const PointCloud* target, const Points3d& start,
+                                    const Points3d& vertices, const CancelFn& cancelled,
+                                    Points3d* gradient);
 
  private:
   struct State;

@@ -28,24 +28,26 @@ absl::StatusOr<PointCloud> DecodeTarget(absl::string_view bytes, const DecodeLim
 
 absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const Frame& frame) {
   if (frame.point_count > static_cast<uint64_t>(limits.max_points)) {
-    return LimitExceeded("header.point_count", frame.point_count, limits.max_points);
+    return LimitExceeded(absl::StrCat(frame.header_field, ".point_count"), frame.point_count,
+                         limits.max_points);
   }
   int64_t held = 0;
   auto decoded = DecodeTarget(frame.bytes, limits, &held);
   if (absl::IsInvalidArgument(decoded.status())) {
-    return WithDetail(decoded.status(), {"BAD_FRAME", "chunk.data", "", ""});
+    return WithDetail(decoded.status(), {"BAD_FRAME", frame.bytes_field, "", ""});
   }
   if (absl::IsResourceExhausted(decoded.status())) {
-    return WithDetail(decoded.status(), {"LIMIT_EXCEEDED", "chunk.data", "", ""});
+    return WithDetail(decoded.status(), {"LIMIT_EXCEEDED", frame.bytes_field, "", ""});
   }
   RETURN_IF_ERROR(decoded.status());
   if (frame.point_count != 0 && frame.point_count != static_cast<uint64_t>(held)) {
-    return InvalidField("header.point_count", absl::StrCat(frame.point_count),
+    return InvalidField(absl::StrCat(frame.header_field, ".point_count"),
+                        absl::StrCat(frame.point_count),
                         absl::StrCat("the bytes hold ", held, " points"));
   }
   absl::Status valid = ValidateTarget(*decoded);
   if (valid.ok() && !decoded->has_normals()) valid = EstimateNormals(NormalOptions(), &*decoded);
-  if (!valid.ok()) return WithDetail(valid, {"BAD_FRAME", "chunk.data", "", ""});
+  if (!valid.ok()) return WithDetail(valid, {"BAD_FRAME", frame.bytes_field, "", ""});
   return decoded;
 }
 

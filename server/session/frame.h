@@ -21,6 +21,10 @@ struct Frame {
   uint64_t point_count = 0;             // that the bytes must hold; 0: not stated
   std::string bytes;                    // Draco
 
+  // Where the request has them, for errors.
+  const char* header_field = "header";
+  const char* bytes_field = "chunk.data";
+
   // Filled by DecodeFrame.
   Digest digest{};
   absl::StatusOr<PointCloud> cloud = absl::UnknownError("not decoded");

@@ -1,11 +1,14 @@
 #include "server/session/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/fit/normalization.h"
 #include "server/session/error_detail.h"
 
 namespace cagefit::server {
@@ -35,6 +38,40 @@ absl::Status Diverged(const absl::Status& cause) {
   return WithDetail(
       absl::InternalError(absl::StrCat("the fit of this frame diverged: ", cause.message())),
       {"FIT_DIVERGED", "", "", ""});
+}
+
+absl::Status NoMemory(absl::string_view work) {
+  return WithDetail(
+      absl::ResourceExhaustedError(absl::StrCat("the server has no memory left to ", work)),
+      {"LIMIT_EXCEEDED", "memory", "", ""});
+}
+
+absl::Status NoFrame(const std::string& reason, absl::string_view why) {
+  return WithDetail(absl::FailedPreconditionError(
+                        absl::StrCat("frame is not set, and ", why, "; send one with the request")),
+                    {reason, "frame", "", ""});
+}
+
+absl::Status CheckLossVertices(const Points3d& vertices, const ControlMesh& mesh) {
+  if (vertices.cols() != mesh.vertex_count()) {
+    return InvalidField("vertices", absl::StrCat(vertices.cols(), " vertices"),
+                        absl::StrCat("the session has ", mesh.vertex_count()));
+  }
+  for (int64_t k = 0; k < vertices.size(); ++k) {
+    if (std::isfinite(vertices.data()[k])) continue;
+    return InvalidField(absl::StrCat("vertices[", k, "]"), absl::StrCat(vertices.data()[k]),
+                        "expected a finite number");
+  }
+  return absl::OkStatus();
+}
+
+// After these checks a fitter refuses what is too far away, or a target of which cleaning leaves
+// too little.
+absl::StatusOr<Energies> NamingTheField(absl::StatusOr<Energies> energies) {
+  if (!absl::IsInvalidArgument(energies.status())) return energies;
+  const bool by_vertices = absl::StartsWith(energies.status().message(), "vertices");
+  return WithDetail(energies.status(),
+                    {"INVALID_FIELD", by_vertices ? "vertices" : "frame.data", "", ""});
 }
 
 absl::Status SequenceGap(uint64_t number, uint64_t expected) {
@@ -75,9 +112,7 @@ absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
   try {
     fitted = Fit(frame, cancelled, answer.get(), &step);
   } catch (const std::bad_alloc&) {
-    fitted =
-        WithDetail(absl::ResourceExhaustedError("the server has no memory left to fit this frame"),
-                   {"LIMIT_EXCEEDED", "memory", "", ""});
+    fitted = NoMemory("fit this frame");
   }
   if (Rejects(fitted)) {
     *answer = unanswered;  // nothing of a fit that came to nothing
@@ -115,6 +150,7 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   SurfaceModel& model = model_.has_value() ? *model_ : *step->first_model;
 
   Points3d fitted;
+  frame_in_memory_ = false;
   auto summary = model.fitter().Fit(*frame.cloud, Starts(model), cancelled, clock_, &fitted);
   if (absl::IsInternal(summary.status())) return Diverged(summary.status());
   RETURN_IF_ERROR(summary.status());
@@ -241,9 +277,44 @@ absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& 
     const double rms = answer->distances.rms;
     ok_rms_.insert(std::upper_bound(ok_rms_.begin(), ok_rms_.end(), rms), rms);
   }
+  frame_in_memory_ = true;
   fitted_since_key_ = answer->delta.key ? 0 : fitted_since_key_ + 1;
   key_needed_ = false;
   return absl::OkStatus();
+}
+
+absl::StatusOr<Loss> Session::EvaluateLoss(const Points3d& vertices, const Frame* frame,
+                                           const CancelFn& cancelled) try {
+  if (frame != nullptr) RETURN_IF_ERROR(frame->cloud.status());
+  if (!model_.has_value()) {
+    if (frame == nullptr) return NoFrame("NO_FRAME_YET", "the session has fitted none yet");
+    return FirstLoss(vertices, *frame->cloud, cancelled);
+  }
+  if (frame == nullptr && !frame_in_memory_) {
+    return NoFrame("FRAME_NOT_IN_MEMORY", "the server has the one that was fitted last no more");
+  }
+  RETURN_IF_ERROR(CheckLossVertices(vertices, model_->template_mesh()));
+  Loss loss;
+  ASSIGN_OR_RETURN(loss.energies,
+                   NamingTheField(model_->fitter().Evaluate(
+                       frame != nullptr ? &*frame->cloud : nullptr, Starts(*model_).front(),
+                       vertices, cancelled, &loss.gradient)));
+  return loss;
+} catch (const std::bad_alloc&) {
+  return NoMemory("evaluate this loss");
+}
+
+absl::StatusOr<Loss> Session::FirstLoss(const Points3d& vertices, const PointCloud& target,
+                                        const CancelFn& cancelled) const {
+  ASSIGN_OR_RETURN(const ControlMesh mesh, ledger_->FinalTemplate());
+  RETURN_IF_ERROR(CheckLossVertices(vertices, mesh));
+  ASSIGN_OR_RETURN(const Normalization normalization,
+                   Normalization::FromBox(BoundingBox(target.points)));
+  ASSIGN_OR_RETURN(Fitter fitter, Fitter::Create(mesh, normalization, ledger_->config().fit));
+  Loss loss;
+  ASSIGN_OR_RETURN(loss.energies, NamingTheField(fitter.Evaluate(&target, mesh.vertices(), vertices,
+                                                                 cancelled, &loss.gradient)));
+  return loss;
 }
 
 double Session::MedianRms() const { return ok_rms_.empty() ? 0 : ok_rms_[ok_rms_.size() / 2]; }

@@ -22,6 +22,12 @@ struct FrameAnswer {
   bool repeated = false;  // stored earlier; nothing was fitted
 };
 
+// The energy at some control vertices.
+struct Loss {
+  Energies energies;
+  Points3d gradient;  // 3 x n, 1 / user unit
+};
+
 // One user at a time: through a SessionLease.
 //
 // A fit reads the session's config, its template, the control vertices after the two fitted frames
@@ -42,6 +48,14 @@ class Session {
   // other bytes, OUT_OF_RANGE naming the expected number for a later one, ABORTED when the epoch
   // has passed, CANCELLED, RESOURCE_EXHAUSTED, FAILED_PRECONDITION.
   absl::StatusOr<FrameAnswer> Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled);
+
+  // The loss of `vertices` (3 x n, user units) against a decoded frame, or the one fitted last
+  // where `frame` is null, as Fitter::Evaluate has it from where the next fit would start. No
+  // answer depends on it. Before a frame is fitted, `frame` is taken for the first.
+  // INVALID_ARGUMENT naming field and value, or what is wrong with the frame; FAILED_PRECONDITION
+  // without a template, or without a frame; CANCELLED, RESOURCE_EXHAUSTED.
+  absl::StatusOr<Loss> EvaluateLoss(const Points3d& vertices, const Frame* frame,
+                                    const CancelFn& cancelled);
 
  private:
   // What a fit leaves behind; moved into the session once the answer is stored.
@@ -65,12 +79,16 @@ class Session {
                            Step* step) const;
   absl::Status Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step);
   double MedianRms() const;
+  // What EvaluateLoss asks before a frame is fitted.
+  absl::StatusOr<Loss> FirstLoss(const Points3d& vertices, const PointCloud& target,
+                                 const CancelFn& cancelled) const;
 
   std::shared_ptr<SessionLedger> ledger_;
   TemplateMaker* templates_;
   ClockFn clock_;
 
   std::optional<SurfaceModel> model_;  // empty until a frame is fitted
+  bool frame_in_memory_ = false;       // the model's fitter still has the frame fitted last
   Points3d vertices_;                  // 3 x n after the last fitted frame, as the client has them
   Points3d before_;                    // after the fitted frame before that, or 3 x 0
   GridPoints q_;                       // vertices_ on the grid

@@ -22,6 +22,15 @@ absl::Status Deleted(const std::string& id) {
                     {"SESSION_DELETED", "session_id", id, ""});
 }
 
+absl::Status NoTemplateYet(const std::string& id) {
+  return WithDetail(
+      absl::FailedPreconditionError(absl::StrCat(
+          "session ", id,
+          " has no control mesh yet: it is made from the first frame; stream one through "
+          "FitFrames")),
+      {"NO_TEMPLATE_YET", "session_id", id, ""});
+}
+
 absl::Status NotFitted(uint64_t sequence_number, absl::string_view why) {
   return WithDetail(absl::NotFoundError(absl::StrCat("frame ", sequence_number, " ", why)),
                     {"FRAME_NOT_FITTED", "sequence_number", absl::StrCat(sequence_number), ""});
@@ -130,12 +139,13 @@ std::shared_ptr<const StoredFrame> SessionLedger::Find(uint64_t sequence_number)
 absl::StatusOr<ControlMesh> SessionLedger::TemplateMesh() const {
   std::lock_guard<std::mutex> lock(mutex_);
   if (template_mesh_.has_value()) return *template_mesh_;
-  return WithDetail(
-      absl::FailedPreconditionError(absl::StrCat(
-          "session ", id_,
-          " has no control mesh yet: it is made from the first frame; stream one through "
-          "FitFrames")),
-      {"NO_TEMPLATE_YET", "session_id", id_, ""});
+  return NoTemplateYet(id_);
+}
+
+absl::StatusOr<ControlMesh> SessionLedger::FinalTemplate() const {
+  const bool is_to_be_refined = config_.tolerance.has_value() && Facts().fitted_frames == 0;
+  if (is_to_be_refined) return NoTemplateYet(id_);
+  return TemplateMesh();
 }
 
 absl::StatusOr<ControlMesh> SessionLedger::LatestMesh() const {

@@ -75,6 +75,9 @@ class SessionLedger {
 
   // FAILED_PRECONDITION until the template is made.
   absl::StatusOr<ControlMesh> TemplateMesh() const;
+  // The template that fits use: as TemplateMesh, but in tolerance mode FAILED_PRECONDITION also
+  // while a given control mesh is to be refined by the first frame.
+  absl::StatusOr<ControlMesh> FinalTemplate() const;
   // The latest fit, or the template when nothing is fitted yet.
   absl::StatusOr<ControlMesh> LatestMesh() const;
   // The fit of one frame. NOT_FOUND when there is none.

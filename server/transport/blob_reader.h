@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "cagefit/v1/fitting.pb.h"
-#include "server/transport/byte_budget.h"
+#include "server/transport/incoming_blob.h"
 #include "server/transport/service_state.h"
 
 namespace cagefit::server {
@@ -27,16 +27,13 @@ class BlobReader : public grpc::ServerReadReactor<v1::CreateSessionChunk> {
  private:
   BlobReader(const ServiceState& state, grpc::CallbackServerContext* context,
              std::function<absl::Status(const std::string&)> take);
-  absl::Status Append();
   void End();
 
   const ServiceState& state_;
   grpc::CallbackServerContext* const context_;
   const std::function<absl::Status(const std::string&)> take_;
-  ByteReservation reservation_;
   v1::CreateSessionChunk chunk_;
-  std::string blob_;
-  uint64_t total_bytes_ = 0;
+  IncomingBlob blob_;
 };
 
 }  // namespace cagefit::server

@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "cagefit/v1/fitting.pb.h"
+#include "server/transport/outgoing_blob.h"
 #include "server/transport/service_state.h"
 
 namespace cagefit::server {
@@ -24,14 +25,12 @@ class BlobWriter : public grpc::ServerWriteReactor<v1::DataChunk> {
   void OnDone() override { delete this; }
 
  private:
-  explicit BlobWriter(grpc::CallbackServerContext* context) : context_(context) {}
+  BlobWriter(const ServiceState& state, grpc::CallbackServerContext* context)
+      : context_(context), blob_(state.budget) {}
   void Begin(absl::StatusOr<std::string> blob);
-  void WriteNext();
 
   grpc::CallbackServerContext* const context_;
-  std::string blob_;
-  size_t sent_ = 0;
-  v1::DataChunk chunk_;
+  OutgoingBlob blob_;
 };
 
 }  // namespace cagefit::server

@@ -1,4 +1,5 @@
-// Memory that all streams together may hold in frames that are not answered yet.
+// Memory that all calls together may hold in what has arrived and is not answered yet, and in what
+// is not sent yet.
 #ifndef CAGEFIT_SERVER_TRANSPORT_BYTE_BUDGET_H_
 #define CAGEFIT_SERVER_TRANSPORT_BYTE_BUDGET_H_
 
@@ -20,7 +21,7 @@ class ByteBudget {
     const int64_t taken = taken_.fetch_add(bytes) + bytes;
     if (taken <= limit_) return absl::OkStatus();
     taken_.fetch_sub(bytes);
-    return LimitExceeded("bytes of unanswered frames of all streams", taken, limit_);
+    return LimitExceeded("bytes in flight of all calls", taken, limit_);
   }
   void Give(int64_t bytes) { taken_.fetch_sub(bytes); }
   int64_t taken() const { return taken_; }

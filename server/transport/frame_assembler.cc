@@ -17,6 +17,18 @@ absl::Status Violation(const std::string& field, const std::string& message) {
 
 }  // namespace
 
+absl::Status CheckEncoding(const std::string& field, v1::FrameEncoding encoding) {
+  if (encoding == v1::FRAME_ENCODING_UNSPECIFIED || encoding == v1::FRAME_ENCODING_DRACO) {
+    return absl::OkStatus();
+  }
+  return InvalidField(field, absl::StrCat(encoding), "this server does not know that value");
+}
+
+absl::Status CheckFrameBytes(const std::string& field, uint64_t bytes, int64_t max_frame_bytes) {
+  if (bytes <= static_cast<uint64_t>(max_frame_bytes)) return absl::OkStatus();
+  return LimitExceeded(field, bytes, max_frame_bytes);
+}
+
 FrameAssembler::FrameAssembler(int64_t max_frame_bytes, ByteBudget* budget)
     : max_frame_bytes_(max_frame_bytes), budget_(budget) {}
 
@@ -39,14 +51,8 @@ absl::StatusOr<std::optional<ReceivedFrame>> FrameAssembler::Add(v1::FitFramesRe
 
 absl::Status FrameAssembler::Begin(const v1::FrameHeader& header) {
   RETURN_IF_ERROR(CheckBetweenFrames());
-  if (header.encoding() != v1::FRAME_ENCODING_UNSPECIFIED &&
-      header.encoding() != v1::FRAME_ENCODING_DRACO) {
-    return InvalidField("header.encoding", absl::StrCat(header.encoding()),
-                        "this server does not know that value");
-  }
-  if (header.total_bytes() > static_cast<uint64_t>(max_frame_bytes_)) {
-    return LimitExceeded("header.total_bytes", header.total_bytes(), max_frame_bytes_);
-  }
+  RETURN_IF_ERROR(CheckEncoding("header.encoding", header.encoding()));
+  RETURN_IF_ERROR(CheckFrameBytes("header.total_bytes", header.total_bytes(), max_frame_bytes_));
   current_ = ReceivedFrame{Frame(), ByteReservation(budget_)};
   total_bytes_ = header.total_bytes();
   current_->frame.sequence_number = header.sequence_number();

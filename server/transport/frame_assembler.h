@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "cagefit/v1/fitting.pb.h"
@@ -19,6 +20,11 @@ struct ReceivedFrame {
   Frame frame;
   ByteReservation reservation;
 };
+
+// INVALID_ARGUMENT naming `field` for a value that is not known.
+absl::Status CheckEncoding(const std::string& field, v1::FrameEncoding encoding);
+// RESOURCE_EXHAUSTED naming `field` above the limit on a frame's bytes.
+absl::Status CheckFrameBytes(const std::string& field, uint64_t bytes, int64_t max_frame_bytes);
 
 class FrameAssembler {
  public:

@@ -34,12 +34,6 @@ void Fill(const EncodedDelta& delta, v1::VertexDelta* proto) {
   proto->set_crc32c(delta.checksum);
 }
 
-void Fill(const Energies& energies, v1::Energies* proto) {
-  proto->set_distance(energies.distance);
-  proto->set_arap(energies.arap);
-  proto->set_coverage(energies.coverage);
-}
-
 void Fill(const StoredFrame& frame, v1::SampledDistances* proto) {
   proto->set_mean(frame.distances.mean);
   proto->set_rms(frame.distances.rms);
@@ -87,8 +81,8 @@ void Fill(const ToleranceReport& report, v1::ToleranceReport* proto) {
 
 void FillFit(const StoredFrame& frame, v1::FrameReply* reply) {
   Fill(frame.delta, reply->mutable_delta());
-  Fill(frame.fit.initial, reply->mutable_initial_energies());
-  Fill(frame.fit.final, reply->mutable_final_energies());
+  *reply->mutable_initial_energies() = server::ToProto(frame.fit.initial);
+  *reply->mutable_final_energies() = server::ToProto(frame.fit.final);
   reply->set_iterations(frame.fit.iterations);
   reply->set_converged(frame.fit.converged);
   Fill(frame, reply->mutable_distances());
@@ -104,6 +98,14 @@ void FillFit(const StoredFrame& frame, v1::FrameReply* reply) {
 }
 
 }  // namespace
+
+v1::Energies ToProto(const Energies& energies) {
+  v1::Energies proto;
+  proto.set_distance(energies.distance);
+  proto.set_arap(energies.arap);
+  proto.set_coverage(energies.coverage);
+  return proto;
+}
 
 v1::FrameReply ToProto(const FrameAnswer& answer, const SessionLedger& ledger) {
   const StoredFrame& frame = *answer.frame;

@@ -10,6 +10,8 @@ namespace cagefit::server {
 // Connectivity above this size is left out of the reply, which has to stay below 4 MiB.
 inline constexpr size_t kMaxTemplateInReplyBytes = 1 << 20;
 
+v1::Energies ToProto(const Energies& energies);
+
 v1::FrameReply ToProto(const FrameAnswer& answer, const SessionLedger& ledger);
 
 }  // namespace cagefit::server

@@ -8,10 +8,13 @@
 #include "absl/time/clock.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
+#include "server/session/stencil_export.h"
 #include "server/session/surface_export.h"
 #include "server/transport/blob_reader.h"
 #include "server/transport/blob_writer.h"
+#include "server/transport/evaluate_loss_call.h"
 #include "server/transport/fit_frames_call.h"
+#include "server/transport/loss_convert.h"
 #include "server/transport/session_convert.h"
 #include "server/transport/status_convert.h"
 
@@ -80,6 +83,18 @@ absl::StatusOr<std::string> Surface(const SessionStore& store,
   return ExportSurface(mesh, options);
 }
 
+absl::StatusOr<std::string> Stencils(const SessionStore& store,
+                                     const v1::GetStencilsRequest& request) {
+  ASSIGN_OR_RETURN(const auto ledger, store.Find(request.session_id()));
+  ASSIGN_OR_RETURN(const ControlMesh mesh, ledger->FinalTemplate());
+  StencilExportOptions options;
+  options.max_triangles = store.session_limits().max_surface_triangles;
+  if (request.has_levels()) options.levels = request.levels();
+  ASSIGN_OR_RETURN(const ExportedStencils stencils,
+                   ExportStencils(mesh, ledger->config().fit.distance, options));
+  return ToProto(stencils).SerializeAsString();
+}
+
 }  // namespace
 
 grpc::ServerUnaryReactor* FittingService::CreateSession(grpc::CallbackServerContext* context,
@@ -144,6 +159,17 @@ grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetSurface(
     grpc::CallbackServerContext* context, const v1::GetSurfaceRequest* request) {
   return BlobWriter::Start(state_, context,
                            [this, request] { return Surface(*state_.store, *request); });
+}
+
+grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetStencils(
+    grpc::CallbackServerContext* context, const v1::GetStencilsRequest* request) {
+  return BlobWriter::Start(state_, context,
+                           [this, request] { return Stencils(*state_.store, *request); });
+}
+
+grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* FittingService::EvaluateLoss(
+    grpc::CallbackServerContext* context) {
+  return EvaluateLossCall::Start(state_, context);
 }
 
 grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FittingService::FitFrames(

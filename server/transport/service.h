@@ -29,6 +29,10 @@ class FittingService final : public v1::Fitting::CallbackService {
       grpc::CallbackServerContext* context, const v1::GetControlMeshRequest* request) override;
   grpc::ServerWriteReactor<v1::DataChunk>* GetSurface(
       grpc::CallbackServerContext* context, const v1::GetSurfaceRequest* request) override;
+  grpc::ServerWriteReactor<v1::DataChunk>* GetStencils(
+      grpc::CallbackServerContext* context, const v1::GetStencilsRequest* request) override;
+  grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* EvaluateLoss(
+      grpc::CallbackServerContext* context) override;
   grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FitFrames(
       grpc::CallbackServerContext* context) override;
 

@@ -377,6 +377,63 @@ TEST_F(StreamTest, SurfacesOfAnyFrameAndLevel) {
   EXPECT_TRUE(absl::IsInvalidArgument(client_->GetSurface(request).status()));
 }
 
+TEST_F(StreamTest, StencilsGiveTheServersSurface) {
+  v1::GetStencilsRequest request;
+  request.set_session_id(id_);
+  request.set_levels(2);
+  const auto stencils = client_->GetStencils(request);
+  ASSERT_TRUE(stencils.ok()) << stencils.status();
+  FitMovingFrames(stream_.get(), 0, 1);
+  const Points3d V = ServersVertices(0);
+  v1::GetSurfaceRequest surface;
+  surface.set_session_id(id_);
+  const TriangleMesh mesh = *DecodeDracoMesh(*client_->GetSurface(surface), DecodeLimits());
+  ASSERT_EQ(stencils->rows(), mesh.vertices.cols());
+  ASSERT_EQ(stencils->triangles_size(), mesh.triangles.size());
+  for (uint32_t i = 0; i < stencils->rows(); ++i) {
+    Eigen::Vector3d Q = Eigen::Vector3d::Zero();
+    for (uint32_t k = stencils->row_begin(i); k < stencils->row_begin(i + 1); ++k) {
+      Q += stencils->value(k) * V.col(stencils->column(k));
+    }
+    EXPECT_LT((Q - mesh.vertices.col(i)).norm(), 1e-6);
+  }
+  request.clear_levels();
+  EXPECT_EQ(client_->GetStencils(request)->rows(), 162u);
+  EXPECT_EQ(client_->GetStencils(request)->triangles_size(), 0);
+
+  v1::CreateSessionRequest to_refine = CageRequest();
+  to_refine.mutable_options()->set_tolerance(0.01);
+  request.set_session_id(client_->CreateSession(to_refine)->session_id());
+  const absl::Status early = client_->GetStencils(request).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(early)) << early;
+  EXPECT_EQ(ReasonOf(early), "NO_TEMPLATE_YET");
+}
+
+TEST_F(StreamTest, ALossBesideTheStreamChangesNothing) {
+  const auto alone = FitMovingFrames(stream_.get(), 0, 20);
+  StartSession(CageRequest());
+  v1::EvaluateLossRequest request;
+  request.set_session_id(id_);
+  const Points3d V = FrameCage().vertices();
+  request.mutable_vertices()->Add(V.data(), V.data() + V.size());
+  std::atomic<bool> ended{false};
+  int losses = 0;
+  std::thread trainer([&] {
+    while (!ended) losses += client_->EvaluateLoss(request).ok();
+  });
+  const auto beside = FitMovingFrames(stream_.get(), 0, 20);
+  ended = true;
+  trainer.join();
+  EXPECT_GT(losses, 0);
+  for (size_t k = 0; k < alone.size(); ++k) {
+    EXPECT_EQ(beside[k].control_vertices, alone[k].control_vertices) << k;
+  }
+  const auto last = client_->EvaluateLoss(request);
+  ASSERT_TRUE(last.ok()) << last.status();
+  request.mutable_frame()->set_data(OutgoingMovingFrame(19).draco);
+  EXPECT_EQ(client_->EvaluateLoss(request)->total(), last->total());
+}
+
 TEST_F(StreamTest, ANewerStreamEndsTheOlder) {
   ASSERT_TRUE(stream_->Send(OutgoingMovingFrame(0)).ok());
   ReceiveFrame(stream_.get());

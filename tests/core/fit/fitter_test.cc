@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
 #include "tests/core/fit/fit_fixture.h"
 
 namespace cagefit {
@@ -132,6 +137,134 @@ TEST_F(FitterTest, TheCeresSolverAgrees) {
       MakeFitter(ceres_options).Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
   ASSERT_TRUE(newton.ok() && ceres.ok());
   EXPECT_NEAR(newton->final.total(), ceres->final.total(), 1e-3 * ceres->final.total());
+}
+
+// Largest difference between the gradient of Evaluate at V and central differences, which choose
+// radius, branch and feet anew, along some directions that move all vertices; relative to the
+// slope.
+double WorstSlope(Fitter* fitter, const PointCloud* target, const Points3d& start,
+                  const Points3d& V) {
+  Points3d gradient;
+  EXPECT_TRUE(fitter->Evaluate(target, start, V, nullptr, &gradient).ok());
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  double worst = 0;
+  for (int k = 0; k < 4; ++k) {
+    const Points3d direction = Points3d::NullaryExpr(3, V.cols(), [&] { return normal(random); });
+    const double step = 1e-7 * kUserScale;
+    const double ahead =
+        fitter->Evaluate(target, start, V + step * direction, nullptr, nullptr)->total();
+    const double behind =
+        fitter->Evaluate(target, start, V - step * direction, nullptr, nullptr)->total();
+    const double slope = gradient.cwiseProduct(direction).sum();
+    worst = std::max(worst, std::abs((ahead - behind) / (2 * step) - slope) / gradient.norm());
+  }
+  return worst;
+}
+
+TEST_F(FitterTest, TheGradientOfTheLossIsThatOfFreshChoicesInUserUnits) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0, 0.01 * kUserScale);
+  const PointCloud target = UserCloud(0.05);
+  for (const Field field : {Field::kImls, Field::kRimls}) {
+    for (const RestMesh rest : {RestMesh::kTemplate, RestMesh::kPreviousFrame}) {
+      FitOptions options;
+      options.distance.field = field;
+      options.arap.rest = rest;
+      Fitter fitter = MakeFitter(options);
+      const Points3d V = cage_.vertices() + Points3d::NullaryExpr(3, cage_.vertex_count(),
+                                                                  [&] { return normal(random); });
+      // The weights that RIMLS settles on are held in its gradient, and chosen anew beside it.
+      EXPECT_LT(WorstSlope(&fitter, &target, cage_.vertices(), V),
+                field == Field::kImls ? 1e-6 : 1e-3);
+    }
+  }
+}
+
+TEST_F(FitterTest, TheLossAtTheFittedVerticesIsTheEnergyOfTheFit) {
+  FitOptions options;
+  options.solver.relative_decrease = 1e-8;  // feet are sought as closely
+  Fitter fitter = MakeFitter(options);
+  Points3d fitted;
+  const auto summary = fitter.Fit(UserCloud(0), {cage_.vertices()}, nullptr, nullptr, &fitted);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  const auto loss = fitter.Evaluate(nullptr, cage_.vertices(), fitted, nullptr, nullptr);
+  ASSERT_TRUE(loss.ok()) << loss.status();
+  EXPECT_NEAR(loss->distance, summary->final.distance, 1e-9 * loss->distance);
+  EXPECT_NEAR(loss->arap, summary->final.arap, 1e-9 * loss->arap);
+  EXPECT_NEAR(loss->coverage, summary->final.coverage, 1e-6 * loss->coverage);
+}
+
+TEST_F(FitterTest, AFitAfterALossIsTheFitWithoutIt) {
+  const PointCloud first_cloud = UserCloud(0), second_cloud = UserCloud(0.05);
+  Fitter asked = MakeFitter(), other = MakeFitter();
+  Points3d first, first_again, second, second_again, gradient;
+  const auto ask = [&](const PointCloud* target) {
+    const Points3d V = cage_.vertices().array() + 3;
+    ASSERT_TRUE(asked.Evaluate(target, cage_.vertices(), V, nullptr, &gradient).ok());
+  };
+  ask(&second_cloud);
+  ASSERT_TRUE(asked.Fit(first_cloud, {cage_.vertices()}, nullptr, nullptr, &first).ok());
+  ask(nullptr);
+  ask(&second_cloud);
+  ASSERT_TRUE(asked.Fit(second_cloud, {first}, nullptr, nullptr, &second).ok());
+  ASSERT_TRUE(other.Fit(first_cloud, {cage_.vertices()}, nullptr, nullptr, &first_again).ok());
+  ASSERT_TRUE(other.Fit(second_cloud, {first}, nullptr, nullptr, &second_again).ok());
+  EXPECT_EQ(first, first_again);
+  EXPECT_EQ(second, second_again);
+}
+
+TEST_F(FitterTest, ALossIsAPureFunctionOfItsArguments) {
+  const PointCloud first = UserCloud(0), second = UserCloud(0.05);
+  const Points3d V = cage_.vertices().array() + 3;
+  Fitter used = MakeFitter();
+  Points3d fitted, gradient, other, again, fresh;
+  ASSERT_TRUE(used.Fit(first, {cage_.vertices()}, nullptr, nullptr, &fitted).ok());
+  const auto at_last = used.Evaluate(nullptr, cage_.vertices(), V, nullptr, &gradient);
+  ASSERT_TRUE(used.Evaluate(&second, fitted, fitted, nullptr, &other).ok());
+  ASSERT_TRUE(used.Evaluate(nullptr, cage_.vertices(), V, nullptr, &again).ok());
+  const auto given = MakeFitter().Evaluate(&first, cage_.vertices(), V, nullptr, &fresh);
+  ASSERT_TRUE(at_last.ok() && given.ok());
+  EXPECT_EQ(at_last->total(), given->total());
+  EXPECT_EQ(gradient, again);
+  EXPECT_EQ(gradient, fresh);
+}
+
+TEST_F(FitterTest, ALossThatCannotBeEvaluatedSaysWhy) {
+  Fitter fitter = MakeFitter();
+  const PointCloud target = UserCloud(0);
+  const Points3d V = cage_.vertices();
+  const auto error = [&](const PointCloud* cloud, const Points3d& vertices) {
+    return fitter.Evaluate(cloud, V, vertices, nullptr, nullptr).status();
+  };
+  EXPECT_TRUE(absl::IsFailedPrecondition(error(nullptr, V)));
+  EXPECT_EQ(error(&target, V.leftCols(5)).message(),
+            "vertices: 5 vertices; 162 finite ones are needed");
+  Points3d bad = V;
+  bad(1, 17) = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(absl::IsInvalidArgument(error(&target, bad)));
+  bad(1, 17) = 1e300;
+  EXPECT_TRUE(absl::IsInvalidArgument(error(&target, bad)));
+  PointCloud bare = target;
+  bare.normals.resize(3, 0);
+  EXPECT_EQ(error(&bare, V).message(), "target: it has no normals");
+  EXPECT_TRUE(absl::IsCancelled(fitter
+                                    .Evaluate(
+                                        &target, V, V, [] { return true; }, nullptr)
+                                    .status()));
+}
+
+TEST_F(FitterTest, ALossIsFiniteWhereverVerticesMayBe) {
+  Fitter fitter = MakeFitter();
+  const PointCloud target = UserCloud(0);
+  Points3d V = cage_.vertices(), gradient;
+  for (const double scale : {0.0, 1e-9, 1e5}) {
+    const Points3d scaled = scale * V;
+    const auto loss = fitter.Evaluate(&target, V, scaled, nullptr, &gradient);
+    ASSERT_TRUE(loss.ok()) << loss.status();
+    EXPECT_TRUE(std::isfinite(loss->total())) << scale;
+    EXPECT_TRUE(gradient.allFinite()) << scale;
+  }
 }
 
 TEST_F(FitterTest, OptionsOutOfRangeAreNamed) {

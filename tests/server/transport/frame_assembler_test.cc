@@ -150,7 +150,7 @@ TEST_F(FrameAssemblerTest, TakesFromTheBudgetWhatHasArrived) {
     // The frame that is not answered yet leaves room for one more chunk.
     AddPart(Header(1, 3 << 20));
     AddPart(Chunk(mebibyte));
-    ExpectRefused(Chunk(mebibyte), "LIMIT_EXCEEDED", "bytes of unanswered frames of all streams");
+    ExpectRefused(Chunk(mebibyte), "LIMIT_EXCEEDED", "bytes in flight of all calls");
   }
   EXPECT_EQ(budget_.taken(), 1 << 20);
 }

@@ -1,0 +1,93 @@
+#include "server/transport/evaluate_loss_call.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/status.h"
+#include "server/session/error_detail.h"
+#include "server/transport/frame_assembler.h"
+#include "server/transport/status_convert.h"
+
+namespace cagefit::server {
+namespace {
+
+// A frame and the control vertices of the largest session.
+int64_t MaxRequestBytes(const SessionLimits& limits) {
+  constexpr int64_t kRest = 1 << 16;
+  return limits.max_frame_bytes + int64_t{24} * limits.max_control_vertices + kRest;
+}
+
+}  // namespace
+
+EvaluateLossCall* EvaluateLossCall::Start(const ServiceState& state,
+                                          grpc::CallbackServerContext* context) {
+  auto* call = new EvaluateLossCall(state, context);
+  call->StartRead(&call->chunk_);
+  return call;
+}
+
+EvaluateLossCall::EvaluateLossCall(const ServiceState& state, grpc::CallbackServerContext* context)
+    : state_(state),
+      context_(context),
+      request_(MaxRequestBytes(state.store->session_limits()), state.budget),
+      reply_(state.budget) {}
+
+void EvaluateLossCall::End(const absl::Status& status) { Finish(ToGrpc(status, context_)); }
+
+void EvaluateLossCall::OnReadDone(bool ok) {
+  const absl::Status read = ok ? request_.Add(chunk_.total_bytes(), chunk_.data()) : QueueDecode();
+  if (!read.ok()) return End(read);
+  if (ok) StartRead(&chunk_);
+}
+
+absl::Status EvaluateLossCall::QueueDecode() {
+  RETURN_IF_ERROR(request_.CheckComplete());
+  return state_.scheduler->decodes.Run(absl::StrCat(reinterpret_cast<uintptr_t>(this)), [this] {
+    const absl::Status decoded = Decode();
+    if (!decoded.ok()) End(decoded);
+  });
+}
+
+absl::Status EvaluateLossCall::Decode() {
+  RETURN_IF_ERROR(state_.streams->CheckServing());
+  if (context_->IsCancelled()) return absl::CancelledError("cancelled");
+  v1::EvaluateLossRequest request;
+  if (!request.ParseFromString(request_.TakeBytes())) {
+    return InvalidField("data", "not an EvaluateLossRequest", "expected one, serialized");
+  }
+  ASSIGN_OR_RETURN(query_, FromProto(&request));
+  RETURN_IF_ERROR(state_.store->Find(query_.session_id).status());
+  if (query_.frame.has_value()) {
+    const SessionLimits& limits = state_.store->session_limits();
+    RETURN_IF_ERROR(
+        CheckFrameBytes("frame.data", query_.frame->bytes.size(), limits.max_frame_bytes));
+    DecodeFrame(limits.decode, state_.clock, &*query_.frame);
+    RETURN_IF_ERROR(query_.frame->cloud.status());
+    query_.frame->bytes = std::string();
+  }
+  return state_.scheduler->fits.Run(query_.session_id, [this] { Reply(); });
+}
+
+absl::StatusOr<Loss> EvaluateLossCall::Evaluate() const {
+  const auto cancelled = [this] { return context_->IsCancelled(); };
+  if (cancelled()) return absl::CancelledError("cancelled");
+  ASSIGN_OR_RETURN(const SessionLease session, state_.store->Lease(query_.session_id));
+  return session->EvaluateLoss(query_.vertices, query_.frame.has_value() ? &*query_.frame : nullptr,
+                               cancelled);
+}
+
+void EvaluateLossCall::Reply() {
+  const absl::StatusOr<Loss> loss = Evaluate();
+  if (!loss.ok()) return End(loss.status());
+  const absl::Status taken = reply_.Set(ToProto(*loss).SerializeAsString());
+  if (!taken.ok()) return End(taken);
+  StartWrite(reply_.Next());
+}
+
+void EvaluateLossCall::OnWriteDone(bool ok) {
+  if (!ok) return End(absl::CancelledError("the client is gone"));
+  if (reply_.is_sent()) return End(absl::OkStatus());
+  StartWrite(reply_.Next());
+}
+
+}  // namespace cagefit::server
