@@ -29,8 +29,14 @@ struct ClientOptions {
   absl::Duration connect_timeout = absl::Seconds(5);
 };
 
+struct OutgoingMask {
+  std::string camera;  // its name in the session's options
+  std::string png;
+};
+
 struct OutgoingFrame {
   std::string draco;
+  std::vector<OutgoingMask> masks;  // of cameras that saw the frame
   uint64_t sequence_number = 0;
   uint64_t point_count = 0;  // 0: not stated
   std::optional<absl::Time> timestamp;

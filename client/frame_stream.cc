@@ -4,8 +4,10 @@
 #include <condition_variable>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "client/delta_decoder.h"
 #include "client/fit_client.h"
 #include "client/frame_stream_call.h"
@@ -91,14 +93,25 @@ absl::Status FrameStream::Send(const OutgoingFrame& frame) {
   v1::FrameHeader* header = request.mutable_header();
   header->set_sequence_number(frame.sequence_number);
   header->set_encoding(v1::FRAME_ENCODING_DRACO);
-  header->set_total_bytes(frame.draco.size());
+  std::vector<absl::string_view> parts = {frame.draco};
+  for (const OutgoingMask& mask : frame.masks) {
+    v1::Mask* proto = header->add_masks();
+    proto->set_camera(mask.camera);
+    proto->set_png_bytes(mask.png.size());
+    parts.push_back(mask.png);
+  }
+  size_t total_bytes = 0;
+  for (const absl::string_view part : parts) total_bytes += part.size();
+  header->set_total_bytes(total_bytes);
   header->set_point_count(frame.point_count);
   if (frame.timestamp.has_value()) Fill(*frame.timestamp, header->mutable_timestamp());
   if (!call_->stream->Write(request)) return Ended();
-  for (size_t sent = 0; sent < frame.draco.size(); sent += kChunkBytes) {
-    const size_t bytes = std::min(kChunkBytes, frame.draco.size() - sent);
-    request.mutable_chunk()->set_data(frame.draco.data() + sent, bytes);
-    if (!call_->stream->Write(request)) return Ended();
+  for (absl::string_view part : parts) {
+    for (; !part.empty(); part.remove_prefix(std::min(kChunkBytes, part.size()))) {
+      const absl::string_view data = part.substr(0, kChunkBytes);
+      request.mutable_chunk()->set_data(data.data(), data.size());
+      if (!call_->stream->Write(request)) return Ended();
+    }
   }
   return absl::OkStatus();
 }

@@ -11,16 +11,19 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/camera_to_proto.h"
 #include "client/commands/command.h"
 #include "client/commands/fit_options.h"
 #include "client/commands/fit_report.h"
 #include "client/commands/input_files.h"
 #include "client/commands/interrupt.h"
+#include "client/commands/mask_files.h"
 #include "client/commands/message_json.h"
 #include "client/commands/progress.h"
 #include "client/embedded_server.h"
 #include "client/encode_frame.h"
 #include "client/fit_client.h"
+#include "client/io/camera_file.h"
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
 #include "client/mesh_from_proto.h"
@@ -88,6 +91,7 @@ class FitJob {
     request.set_name(
         (arguments_.name.empty() ? arguments_.inputs.front() : arguments_.name).substr(0, 200));
     *request.mutable_options() = arguments_.options;
+    RETURN_IF_ERROR(AddCameras(request.mutable_options()));
     if (arguments_.cage.empty()) {
       request.mutable_make_template()->set_vertices(arguments_.vertices);
       if (arguments_.crease_angle.has_value()) {
@@ -98,6 +102,20 @@ class FitJob {
     ASSIGN_OR_RETURN(cage_, ReadControlMesh(arguments_.cage));
     *request.mutable_control_mesh() = ToProto(*cage_);
     return request;
+  }
+
+  absl::Status AddCameras(v1::SessionOptions* options) {
+    if (arguments_.cameras.empty()) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const std::vector<Camera> cameras, ReadCameras(arguments_.cameras));
+    std::vector<std::string> names, files;
+    for (const Camera& camera : cameras) {
+      names.push_back(camera.name);
+      *options->add_cameras() = client::ToProto(camera);
+    }
+    if (arguments_.masks.empty()) return absl::OkStatus();
+    for (const FrameRecord& frame : report_.frames) files.push_back(frame.file);
+    ASSIGN_OR_RETURN(masks_, ListMasks(arguments_.masks, names, files));
+    return absl::OkStatus();
   }
 
   absl::Status Connect() {
@@ -128,13 +146,12 @@ class FitJob {
     uint64_t number = 0;
     for (size_t k = 0; k < report_.frames.size() && !interrupt_->seen(); ++k) {
       FrameRecord& record = report_.frames[k];
-      auto bytes = EncodeFrame(record.file, arguments_.position_bits);
-      if (!bytes.ok()) {
-        record.status = absl::InvalidArgumentError(bytes.status().message());
+      auto read = ReadFrame(k);
+      if (!read.ok()) {
+        record.status = absl::InvalidArgumentError(read.status().message());
         continue;
       }
-      OutgoingFrame frame;
-      frame.draco = *std::move(bytes);
+      OutgoingFrame frame = *std::move(read);
       frame.sequence_number = number++;
       {
         std::lock_guard<std::mutex> lock(mutex_);
@@ -143,6 +160,15 @@ class FitJob {
       if (!stream_->Send(frame).ok()) return;  // the stream has ended; the receiver knows why
     }
     stream_->CloseSending().IgnoreError();
+  }
+
+  absl::StatusOr<OutgoingFrame> ReadFrame(size_t index) const {
+    OutgoingFrame frame;
+    ASSIGN_OR_RETURN(frame.draco,
+                     EncodeFrame(report_.frames[index].file, arguments_.position_bits));
+    if (masks_.empty()) return frame;
+    ASSIGN_OR_RETURN(frame.masks, ReadMasks(masks_[index]));
+    return frame;
   }
 
   absl::Status ReceiveAll() {
@@ -224,6 +250,8 @@ class FitJob {
             {"vertices", arguments_.vertices},
             {"crease_angle",
              arguments_.crease_angle.has_value() ? Json(*arguments_.crease_angle) : Json()},
+            {"cameras", arguments_.cameras},
+            {"masks", arguments_.masks},
             {"server", arguments_.server},
             {"position_bits", arguments_.position_bits},
             {"options", ToJson(report_.session.options())}};
@@ -234,6 +262,7 @@ class FitJob {
   std::unique_ptr<EmbeddedServer> embedded_;
   std::unique_ptr<FitClient> client_;
   std::unique_ptr<FrameStream> stream_;
+  std::vector<std::vector<MaskFile>> masks_;  // of every frame, where there are any
   std::mutex mutex_;
   std::vector<size_t> file_of_number_;  // of every sequence number that was sent
   std::optional<ControlMesh> cage_;     // its connectivity is that of every frame

@@ -156,6 +156,14 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
       "it: percent of the diagonal, as in 0.1%, or a share, as in 0.001");
   AddValue<uint32_t>(command, "--max-vertices", "With --tolerance: control vertices at most",
                      [a](uint32_t value) { a->options.set_max_vertices(value); });
+  CLI::Option* cameras =
+      command->add_option("--cameras", a->cameras,
+                          "Calibrated cameras: a .json file, or a folder with COLMAP's text model");
+  command
+      ->add_option("--masks", a->masks,
+                   "Folder of masks, MASKS/CAMERA/FRAME.png: FRAME is the name of the input file "
+                   "without its ending; what is missing is a camera that did not see the frame")
+      ->needs(cameras);
   command->add_option("--server", a->server,
                       "HOST:PORT or unix:PATH; default: a server inside this program");
   command->add_option("--config", "File of options, one name=value a line");

@@ -15,6 +15,7 @@ namespace cagefit::client {
 struct FitArguments {
   std::vector<std::string> inputs;
   std::string out, cage, server, name;
+  std::string cameras, masks;  // a file or folder of cameras; a folder of their masks, or none
   uint32_t vertices = 0;
   std::optional<double> crease_angle;  // degrees
   int position_bits = 16;

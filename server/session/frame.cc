@@ -1,6 +1,7 @@
 #include "server/session/frame.h"
 
 #include <new>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
@@ -11,9 +12,21 @@
 namespace cagefit::server {
 namespace {
 
-// The cloud, or the surface of a mesh; `held` is the number of points that the bytes hold.
+// Also of what the bytes do not say: which camera each mask is of, and where one ends.
+Digest DigestOf(const Frame& frame) {
+  const Digest of_bytes = Sha256(frame.bytes);
+  if (frame.stated_masks.empty()) return of_bytes;
+  std::string all(of_bytes.begin(), of_bytes.end());
+  for (const StatedMask& mask : frame.stated_masks) {
+    absl::StrAppend(&all, mask.camera.size(), ":", mask.camera, ":", mask.png_bytes, ";");
+  }
+  return Sha256(all);
+}
+
+// The cloud, or the surface of a mesh, which is kept too; `held` is the number of points that the
+// bytes hold.
 absl::StatusOr<PointCloud> DecodeTarget(absl::string_view bytes, const DecodeLimits& limits,
-                                        int64_t* held) {
+                                        int64_t* held, std::optional<TriangleMesh>* kept) {
   ASSIGN_OR_RETURN(const DracoInfo info, InspectDraco(bytes));
   if (!info.is_mesh) {
     ASSIGN_OR_RETURN(PointCloud cloud, DecodeDracoCloud(bytes, limits));
@@ -21,18 +34,19 @@ absl::StatusOr<PointCloud> DecodeTarget(absl::string_view bytes, const DecodeLim
     return cloud;
   }
   Points3f normals;
-  ASSIGN_OR_RETURN(const TriangleMesh mesh, DecodeDracoMesh(bytes, limits, &normals));
-  *held = mesh.vertices.cols();
-  return SurfaceCloud(mesh, normals);
+  ASSIGN_OR_RETURN(*kept, DecodeDracoMesh(bytes, limits, &normals));
+  *held = (*kept)->vertices.cols();
+  return SurfaceCloud(**kept, normals);
 }
 
-absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const Frame& frame) {
+absl::StatusOr<PointCloud> DecodeGeometry(const DecodeLimits& limits, const Frame& frame,
+                                          std::optional<TriangleMesh>* mesh) {
   if (frame.point_count > static_cast<uint64_t>(limits.max_points)) {
     return LimitExceeded(absl::StrCat(frame.header_field, ".point_count"), frame.point_count,
                          limits.max_points);
   }
   int64_t held = 0;
-  auto decoded = DecodeTarget(frame.bytes, limits, &held);
+  auto decoded = DecodeTarget(frame.geometry(), limits, &held, mesh);
   if (absl::IsInvalidArgument(decoded.status())) {
     return WithDetail(decoded.status(), {"BAD_FRAME", frame.bytes_field, "", ""});
   }
@@ -51,13 +65,27 @@ absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const Frame& frame
   return decoded;
 }
 
+absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const std::vector<Camera>& cameras,
+                                  Frame* frame) {
+  const std::string field = absl::StrCat(frame->header_field, ".masks");
+  const uint64_t total = frame->bytes.size();
+  ASSIGN_OR_RETURN(const uint64_t mask_bytes, MaskBytes(field, frame->stated_masks, total));
+  frame->geometry_bytes = total - mask_bytes;
+  ASSIGN_OR_RETURN(PointCloud cloud, DecodeGeometry(limits, *frame, &frame->mesh));
+  ASSIGN_OR_RETURN(frame->masks,
+                   DecodeMasks(field, absl::string_view(frame->bytes).substr(frame->geometry_bytes),
+                               frame->stated_masks, cameras));
+  return cloud;
+}
+
 }  // namespace
 
-void DecodeFrame(const DecodeLimits& limits, const ClockFn& clock, Frame* frame) {
+void DecodeFrame(const DecodeLimits& limits, const std::vector<Camera>& cameras,
+                 const ClockFn& clock, Frame* frame) {
   const double start = clock();
-  frame->digest = Sha256(frame->bytes);
+  frame->digest = DigestOf(*frame);
   try {
-    frame->cloud = Decode(limits, *frame);
+    frame->cloud = Decode(limits, cameras, frame);
   } catch (const std::bad_alloc&) {
     frame->cloud = WithDetail(
         absl::ResourceExhaustedError("the server has no memory left to decode this frame"),

@@ -187,7 +187,8 @@ absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const Cancel
   const double start = clock_();
   std::optional<ControlMesh> template_mesh = config.control_mesh;
   if (!template_mesh.has_value()) {
-    ASSIGN_OR_RETURN(template_mesh, templates_->Make(frame.bytes, config.make_template, cancelled));
+    ASSIGN_OR_RETURN(template_mesh,
+                     templates_->Make(frame.geometry(), config.make_template, cancelled));
     answer->made_template = true;
     const int32_t most = ledger_->limits().max_control_vertices;
     if (template_mesh->vertex_count() > most) {

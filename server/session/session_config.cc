@@ -1,6 +1,8 @@
 #include "server/session/session_config.h"
 
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
@@ -31,6 +33,31 @@ absl::Status CheckTolerance(const ToleranceOptions& tolerance) {
                       "expected 0 (off), or 1e-6 to 0.1");
 }
 
+absl::Status CheckCameras(const std::vector<Camera>& cameras) {
+  if (cameras.size() > SessionConfig::kMaxCameras) {
+    return InvalidField("options.cameras", absl::StrCat(cameras.size(), " long"),
+                        absl::StrCat("at most ", SessionConfig::kMaxCameras));
+  }
+  std::set<std::string> names;
+  for (size_t k = 0; k < cameras.size(); ++k) {
+    const std::string field = absl::StrCat("options.cameras[", k, "]");
+    const std::string& name = cameras[k].name;
+    if (name.empty() || name.size() > SessionConfig::kMaxNameBytes) {
+      return InvalidField(absl::StrCat(field, ".name"), absl::StrCat(name.size(), " bytes long"),
+                          "expected 1 to 200");
+    }
+    if (!names.insert(name).second) {
+      return InvalidField(absl::StrCat(field, ".name"), absl::StrCat("\"", name, "\""),
+                          "another camera has it");
+    }
+    const absl::Status valid = cameras[k].Validate();
+    if (valid.ok()) continue;
+    return WithDetail(absl::InvalidArgumentError(absl::StrCat(field, ": ", valid.message())),
+                      {"INVALID_FIELD", field, name, ""});
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status SessionConfig::Validate() const {
@@ -45,6 +72,7 @@ absl::Status SessionConfig::Validate() const {
     return InvalidField("options.key_interval", absl::StrCat(key_interval),
                         "expected 1 to 100,000");
   }
+  RETURN_IF_ERROR(CheckCameras(cameras));
   if (!control_mesh.has_value()) RETURN_IF_ERROR(CheckRequest(make_template));
   if (tolerance.has_value()) RETURN_IF_ERROR(CheckTolerance(*tolerance));
   const absl::Status fit_status = fit.Validate();

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "core/codec/draco_codec.h"
 #include "core/fit/fit_options.h"
 #include "core/fit/tolerance_fit.h"
+#include "core/image/camera.h"
 #include "core/mesh/control_mesh.h"
 #include "server/session/template_maker.h"
 
@@ -25,6 +27,9 @@ struct SessionConfig {
   DeltaEncoding delta_encoding = DeltaEncoding::kPacked;
   uint32_t key_interval = 100;  // a key frame at least every so many frames; 1 to 100,000
 
+  std::vector<Camera>
+      cameras;  // that masks of frames are of; at most kMaxCameras, named differently
+
   // The first frame refines the template as this says (fit/tolerance_fit.h); not set: as it is.
   std::optional<ToleranceOptions> tolerance;
 
@@ -33,6 +38,7 @@ struct SessionConfig {
   TemplateRequest make_template;
 
   static constexpr size_t kMaxNameBytes = 200;
+  static constexpr size_t kMaxCameras = 64;
   // Control vertices that tolerance mode starts from where the client names no number.
   static constexpr int32_t kToleranceStartVertices = 200;
 
@@ -48,6 +54,7 @@ struct SessionLimits {
   int64_t max_frames = 1'000'000;                  // answered frames of a session
   int64_t max_history_bytes = int64_t{256} << 20;  // stored replies of a session
   int64_t max_surface_triangles = 5'000'000;       // of a refined surface that is sent
+  int64_t max_camera_pixels = int64_t{128} << 20;  // of all cameras of a session together
 };
 
 }  // namespace cagefit::server

@@ -32,6 +32,13 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfi
   if (vertices > limits_.session.max_control_vertices) {
     return LimitExceeded("control vertices", vertices, limits_.session.max_control_vertices);
   }
+  int64_t pixels = 0;
+  for (const Camera& camera : config.cameras) {
+    pixels += static_cast<int64_t>(camera.width) * camera.height;
+  }
+  if (pixels > limits_.session.max_camera_pixels) {
+    return LimitExceeded("pixels of all cameras", pixels, limits_.session.max_camera_pixels);
+  }
   if (!config.control_mesh.has_value()) RETURN_IF_ERROR(templates_->CheckAvailable());
 
   auto ledger =

@@ -1,6 +1,7 @@
 #include "server/transport/evaluate_loss_call.h"
 
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
@@ -30,6 +31,7 @@ EvaluateLossCall::EvaluateLossCall(const ServiceState& state, grpc::CallbackServ
     : state_(state),
       context_(context),
       request_(MaxRequestBytes(state.store->session_limits()), state.budget),
+      decoded_(state.budget),
       reply_(state.budget) {}
 
 void EvaluateLossCall::End(const absl::Status& status) { Finish(ToGrpc(status, context_)); }
@@ -56,12 +58,14 @@ absl::Status EvaluateLossCall::Decode() {
     return InvalidField("data", "not an EvaluateLossRequest", "expected one, serialized");
   }
   ASSIGN_OR_RETURN(query_, FromProto(&request));
-  RETURN_IF_ERROR(state_.store->Find(query_.session_id).status());
+  ASSIGN_OR_RETURN(const auto ledger, state_.store->Find(query_.session_id));
   if (query_.frame.has_value()) {
     const SessionLimits& limits = state_.store->session_limits();
     RETURN_IF_ERROR(
         CheckFrameBytes("frame.data", query_.frame->bytes.size(), limits.max_frame_bytes));
-    DecodeFrame(limits.decode, state_.clock, &*query_.frame);
+    const std::vector<Camera>& cameras = ledger->config().cameras;
+    RETURN_IF_ERROR(decoded_.Grow(DecodedMaskBytes(query_.frame->stated_masks, cameras)));
+    DecodeFrame(limits.decode, cameras, state_.clock, &*query_.frame);
     RETURN_IF_ERROR(query_.frame->cloud.status());
     query_.frame->bytes = std::string();
   }

@@ -38,6 +38,7 @@ class EvaluateLossCall : public grpc::ServerBidiReactor<v1::DataChunk, v1::DataC
   v1::DataChunk chunk_;
   IncomingBlob request_;
   LossQuery query_;
+  ByteReservation decoded_;  // what the masks take
   OutgoingBlob reply_;
 };
 

@@ -89,7 +89,12 @@ absl::Status FitFramesCall::Submit(ReceivedFrame received) {
 void FitFramesCall::Decode(std::shared_ptr<ReceivedFrame> received, double ready_ms) {
   if (abandoned_) return;
   received->frame.queue_ms = state_->clock() - ready_ms;
-  DecodeFrame(state_->store->session_limits().decode, state_->clock, &received->frame);
+  Frame& frame = received->frame;
+  const std::vector<Camera>& cameras = ledger_->config().cameras;
+  const absl::Status room =
+      received->reservation.Grow(DecodedMaskBytes(frame.stated_masks, cameras));
+  if (!room.ok()) return Stop(room);
+  DecodeFrame(state_->store->session_limits().decode, cameras, state_->clock, &frame);
   const absl::Status queued = state_->scheduler->fits.Run(
       ledger_->id(), [self = shared_from_this(), received, ready_ms = state_->clock()] {
         self->Fit(received, ready_ms);

@@ -57,6 +57,7 @@ absl::Status FrameAssembler::Begin(const v1::FrameHeader& header) {
   total_bytes_ = header.total_bytes();
   current_->frame.sequence_number = header.sequence_number();
   current_->frame.point_count = header.point_count();
+  current_->frame.stated_masks = FromProto(header.masks());
   if (header.has_timestamp()) current_->frame.timestamp = FromProto(header.timestamp());
   return absl::OkStatus();
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "cagefit/v1/fitting.pb.h"
@@ -25,6 +26,13 @@ struct ReceivedFrame {
 absl::Status CheckEncoding(const std::string& field, v1::FrameEncoding encoding);
 // RESOURCE_EXHAUSTED naming `field` above the limit on a frame's bytes.
 absl::Status CheckFrameBytes(const std::string& field, uint64_t bytes, int64_t max_frame_bytes);
+
+template <typename Masks>  // of v1::Mask
+std::vector<StatedMask> FromProto(const Masks& protos) {
+  std::vector<StatedMask> masks;
+  for (const v1::Mask& proto : protos) masks.push_back({proto.camera(), proto.png_bytes()});
+  return masks;
+}
 
 class FrameAssembler {
  public:

@@ -39,6 +39,7 @@ absl::StatusOr<LossQuery> FromProto(v1::EvaluateLossRequest* request) {
   Frame& frame = query.frame.emplace();
   frame.bytes = std::move(*proto.mutable_data());
   frame.point_count = proto.point_count();
+  frame.stated_masks = FromProto(proto.masks());
   frame.header_field = "frame";
   frame.bytes_field = "frame.data";
   return query;

@@ -22,6 +22,7 @@ namespace cagefit::server {
 namespace {
 
 constexpr uint32_t kMaxPageSize = 1000;
+constexpr size_t kMaxPageBytes = 3 << 20;  // sessions have cameras: up to some 25 KB each
 
 // Answers from a pool: `work` may take its time.
 grpc::ServerUnaryReactor* RunUnary(const ServiceState& state, grpc::CallbackServerContext* context,
@@ -130,11 +131,17 @@ grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerConte
     const uint32_t size =
         request->page_size() == 0 ? kMaxPageSize : std::min(request->page_size(), kMaxPageSize);
     // The token is the last id of the page before: it stays good when sessions come and go.
-    auto page = state_.store->List(request->page_token(), size + 1);
-    const bool more = page.size() > size;
-    if (more) page.pop_back();
-    for (const auto& ledger : page) *response->add_sessions() = ToProto(*ledger);
-    if (more) response->set_next_page_token(page.back()->id());
+    const auto page = state_.store->List(request->page_token(), size + 1);
+    size_t bytes = 0;
+    for (size_t k = 0; k < page.size(); ++k) {
+      v1::Session session = ToProto(*page[k]);
+      bytes += session.ByteSizeLong();
+      if (k == size || (k > 0 && bytes > kMaxPageBytes)) {
+        response->set_next_page_token(page[k - 1]->id());
+        break;
+      }
+      *response->add_sessions() = std::move(session);
+    }
     return absl::OkStatus();
   });
 }

@@ -1,7 +1,9 @@
 #include "server/transport/session_convert.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
@@ -39,6 +41,58 @@ absl::Status ReadOptions(const v1::SessionOptions& proto, SessionConfig* config)
                           "this server does not know that value");
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckLength(const std::string& field, int values, int expected) {
+  if (values == expected) return absl::OkStatus();
+  return InvalidField(field, absl::StrCat(values, " values long"),
+                      absl::StrCat("expected ", expected));
+}
+
+absl::StatusOr<Camera> ReadCamera(const std::string& field, const v1::Camera& proto) {
+  RETURN_IF_ERROR(CheckLength(absl::StrCat(field, ".rotation"), proto.rotation_size(), 9));
+  RETURN_IF_ERROR(CheckLength(absl::StrCat(field, ".translation"), proto.translation_size(), 3));
+  Camera camera;
+  camera.name = proto.name();
+  camera.width = ClampToInt(proto.width());
+  camera.height = ClampToInt(proto.height());
+  camera.fx = proto.fx();
+  camera.fy = proto.fy();
+  camera.cx = proto.cx();
+  camera.cy = proto.cy();
+  for (int k = 0; k < 9; ++k) camera.R(k / 3, k % 3) = proto.rotation(k);
+  for (int k = 0; k < 3; ++k) camera.t[k] = proto.translation(k);
+  camera.distortion = {proto.k1(), proto.k2(), proto.p1(), proto.p2(), proto.k3()};
+  return camera;
+}
+
+absl::StatusOr<std::vector<Camera>> ReadCameras(const v1::SessionOptions& proto) {
+  std::vector<Camera> cameras;
+  for (int k = 0; k < proto.cameras_size(); ++k) {
+    ASSIGN_OR_RETURN(Camera camera,
+                     ReadCamera(absl::StrCat("options.cameras[", k, "]"), proto.cameras(k)));
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+v1::Camera ToProto(const Camera& camera) {
+  v1::Camera proto;
+  proto.set_name(camera.name);
+  proto.set_width(camera.width);
+  proto.set_height(camera.height);
+  proto.set_fx(camera.fx);
+  proto.set_fy(camera.fy);
+  proto.set_cx(camera.cx);
+  proto.set_cy(camera.cy);
+  for (int k = 0; k < 9; ++k) proto.add_rotation(camera.R(k / 3, k % 3));
+  for (int k = 0; k < 3; ++k) proto.add_translation(camera.t[k]);
+  proto.set_k1(camera.distortion.k1);
+  proto.set_k2(camera.distortion.k2);
+  proto.set_p1(camera.distortion.p1);
+  proto.set_p2(camera.distortion.p2);
+  proto.set_k3(camera.distortion.k3);
+  return proto;
 }
 
 absl::Status CheckMultiple(const char* field, int64_t values, int64_t of) {
@@ -79,6 +133,7 @@ absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
   SessionConfig config;
   config.name = request.name();
   RETURN_IF_ERROR(ReadOptions(request.options(), &config));
+  ASSIGN_OR_RETURN(config.cameras, ReadCameras(request.options()));
   switch (request.template_case()) {
     case v1::CreateSessionRequest::kControlMesh: {
       ASSIGN_OR_RETURN(config.control_mesh, ReadControlMesh(request.control_mesh(), limits));
@@ -117,6 +172,9 @@ v1::Session ToProto(const SessionLedger& ledger) {
     if (config.tolerance->max_vertices > 0) {
       session.mutable_options()->set_max_vertices(config.tolerance->max_vertices);
     }
+  }
+  for (const Camera& camera : config.cameras) {
+    *session.mutable_options()->add_cameras() = ToProto(camera);
   }
   *session.mutable_created() = ToProto(ledger.created());
   session.set_epoch(facts.epoch);

@@ -15,17 +15,21 @@
 
 #include "absl/strings/str_cat.h"
 #include "cagefit/v1/fitting.grpc.pb.h"
+#include "client/camera_to_proto.h"
 #include "core/codec/draco_codec.h"
 #include "server/transport/fit_frames_call.h"
 #include "tests/server/running_server.h"
 #include "tests/server/session/life_line.h"
+#include "tests/support/masks.h"
 
 namespace cagefit::server {
 namespace {
 
 using cagefit::testing::FrameBytes;
 using cagefit::testing::FrameCage;
+using cagefit::testing::MaskPng;
 using cagefit::testing::MovingCloud;
+using cagefit::testing::SmallCamera;
 using cagefit::testing::SphereCloud;
 using client::FittedFrame;
 using client::OutgoingFrame;
@@ -158,6 +162,21 @@ TEST(ServerTest, ListsSessionsPageByPage) {
   EXPECT_EQ(listed, std::vector<std::string>(ids.begin(), ids.end()));
 }
 
+TEST(ServerTest, APageOfLargeSessionsIsCutBeforeItIsTooLarge) {
+  RunningServer server;
+  const auto client = server.Connect();
+  v1::CreateSessionRequest request = CageRequest();
+  for (int k = 0; k < 64; ++k) {
+    *request.mutable_options()->add_cameras() =
+        client::ToProto(SmallCamera(absl::StrCat(k, std::string(190, 'x'))));
+  }
+  const int sessions = 5 * (1 << 20) / static_cast<int>(request.options().ByteSizeLong());
+  for (int k = 0; k < sessions; ++k) ASSERT_TRUE(client->CreateSession(request).ok());
+  const auto listed = client->ListSessions();
+  ASSERT_TRUE(listed.ok()) << listed.status();
+  EXPECT_EQ(listed->size(), static_cast<size_t>(sessions));
+}
+
 TEST(ServerTest, ALargeControlMeshComesAndGoesByStream) {
   RunningServer server;
   const auto client = server.Connect();
@@ -246,6 +265,23 @@ TEST(ServerTest, TooLargeAFrameIsExhaustionAndConsumesNothing) {
   OutgoingFrame frame;
   frame.draco.assign((1 << 20) + 1, 'x');
   ExpectLimit(EndAfter(options, frame), "header.total_bytes", "1048577", "1048576");
+}
+
+TEST(ServerTest, MasksAreHeldAgainstTheBudgetBeforeTheyAreDecoded) {
+  ServerOptions options;
+  options.max_buffered_mib = 1;
+  RunningServer server(options);
+  const auto client = server.Connect();
+  v1::CreateSessionRequest request = CageRequest();
+  Camera camera = SmallCamera("left");
+  camera.width = camera.height = 300;  // 12 bytes for each of its pixels are too many
+  *request.mutable_options()->add_cameras() = client::ToProto(camera);
+  const auto stream = client->OpenStream(client->CreateSession(request)->session_id());
+  OutgoingFrame frame = OutgoingMovingFrame(0);
+  frame.masks = {{"left", MaskPng(300, 300)}};
+  ASSERT_TRUE((*stream)->Send(frame).ok());
+  const absl::Status status = (*stream)->Receive().status();
+  EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
 }
 
 TEST(ServerTest, TooManyPointsAreExhaustionAndConsumeNothing) {
@@ -340,6 +376,59 @@ TEST_F(StreamTest, APngIsRejectedAndTheStreamGoesOn) {
   EXPECT_EQ(next.control_vertices, ServersVertices(2));
   EXPECT_TRUE(absl::IsNotFound(client_->GetControlMesh(MeshOf(id_, 1)).status()));
   EXPECT_EQ(client_->GetSession(id_)->rejected_frames(), 1u);
+}
+
+// A session of two cameras, and a frame that `mask` says what of.
+v1::CreateSessionRequest RequestWithCameras() {
+  v1::CreateSessionRequest request = CageRequest();
+  for (const char* name : {"left", "right"}) {
+    *request.mutable_options()->add_cameras() = client::ToProto(SmallCamera(name));
+  }
+  return request;
+}
+
+TEST_F(StreamTest, MasksComeWithTheirFrame) {
+  StartSession(RequestWithCameras());
+  EXPECT_EQ(client_->GetSession(id_)->options().cameras_size(), 2);
+  OutgoingFrame frame = OutgoingMovingFrame(0);
+  frame.masks = {{"right", MaskPng(4, 3)}};
+  ASSERT_TRUE(stream_->Send(frame).ok());
+  EXPECT_EQ(ReceiveFrame(stream_.get()).status, absl::OkStatus());
+  ASSERT_TRUE(stream_->Send(OutgoingMovingFrame(1)).ok());
+  EXPECT_EQ(ReceiveFrame(stream_.get()).status, absl::OkStatus()) << "no view at all";
+
+  OutgoingFrame bad = OutgoingMovingFrame(2);
+  bad.masks = {{"left", MaskPng(4, 3)}, {"front", MaskPng(4, 3)}};
+  ASSERT_TRUE(stream_->Send(bad).ok());
+  const absl::Status refused = ReceiveFrame(stream_.get()).status;
+  EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
+  EXPECT_EQ(client::DetailOf(refused)->field(), "header.masks[1].camera");
+
+  v1::EvaluateLossRequest loss;
+  loss.set_session_id(id_);
+  const Points3d V = FrameCage().vertices();
+  loss.mutable_vertices()->Add(V.data(), V.data() + V.size());
+  loss.mutable_frame()->set_data(frame.draco + frame.masks[0].png);
+  v1::Mask* mask = loss.mutable_frame()->add_masks();
+  mask->set_camera("right");
+  mask->set_png_bytes(frame.masks[0].png.size());
+  EXPECT_TRUE(client_->EvaluateLoss(loss).ok());
+  mask->set_camera("front");
+  EXPECT_EQ(client::DetailOf(client_->EvaluateLoss(loss).status())->field(),
+            "frame.masks[0].camera");
+}
+
+TEST_F(StreamTest, ARepeatedFrameHasTheSameMasks) {
+  StartSession(RequestWithCameras());
+  OutgoingFrame frame = OutgoingMovingFrame(0);
+  frame.masks = {{"right", MaskPng(4, 3)}};
+  for (const bool repeated : {false, true}) {
+    ASSERT_TRUE(stream_->Send(frame).ok());
+    EXPECT_EQ(ReceiveFrame(stream_.get()).reply.repeated_reply(), repeated);
+  }
+  frame.masks[0].camera = "left";
+  ASSERT_TRUE(stream_->Send(frame).ok());
+  EXPECT_TRUE(absl::IsAlreadyExists(stream_->Receive().status()));
 }
 
 TEST_F(StreamTest, MeshesOfTemplateFrameAndTheLatestFit) {

@@ -7,10 +7,12 @@
 
 #include "server/session/error_detail.h"
 #include "tests/server/session/session_fixture.h"
+#include "tests/support/masks.h"
 
 namespace cagefit::server {
 namespace {
 
+using cagefit::testing::SmallCamera;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -107,6 +109,28 @@ TEST(SessionConfigTest, RefusesBadFitOptionsNamingThem) {
   SessionConfig config = testing::CageConfig();
   config.fit.solver.max_iterations = 100'001;
   ExpectRefused(config, "max_iterations", "100001");
+}
+
+TEST(SessionConfigTest, CamerasAreNamedDifferentlyAndValid) {
+  SessionConfig config = testing::CageConfig();
+  config.cameras = {SmallCamera("left"), SmallCamera("right")};
+  EXPECT_EQ(config.Validate(), absl::OkStatus());
+  const auto field = [&config](int k, const Camera& camera) {
+    config.cameras[k] = camera;
+    const absl::Status status = config.Validate();
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+    return DetailOf(status)->field;
+  };
+  EXPECT_EQ(field(1, SmallCamera("left")), "options.cameras[1].name");
+  EXPECT_EQ(field(1, SmallCamera("")), "options.cameras[1].name");
+  EXPECT_EQ(field(1, SmallCamera(std::string(201, 'x'))), "options.cameras[1].name");
+  Camera flat = SmallCamera("right");
+  flat.height = 0;
+  EXPECT_EQ(field(1, flat), "options.cameras[1]");
+  EXPECT_EQ(config.Validate().message(),
+            "options.cameras[1]: camera \"right\": height is 0; expected 1 to 16384");
+  config.cameras.assign(SessionConfig::kMaxCameras + 1, SmallCamera("left"));
+  EXPECT_EQ(DetailOf(config.Validate())->field, "options.cameras");
 }
 
 }  // namespace

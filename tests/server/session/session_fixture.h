@@ -52,7 +52,7 @@ inline Frame DecodedFrame(uint64_t number, std::string bytes,
   Frame frame;
   frame.sequence_number = number;
   frame.bytes = std::move(bytes);
-  DecodeFrame(limits, NoTime, &frame);
+  DecodeFrame(limits, {}, NoTime, &frame);
   return frame;
 }
 

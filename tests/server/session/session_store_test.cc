@@ -7,10 +7,12 @@
 #include <set>
 
 #include "tests/server/session/session_fixture.h"
+#include "tests/support/masks.h"
 
 namespace cagefit::server {
 namespace {
 
+using cagefit::testing::SmallCamera;
 using testing::CageConfig;
 using ::testing::HasSubstr;
 using testing::ReasonOf;
@@ -147,6 +149,20 @@ TEST_F(SessionStoreTest, RefusesATemplateWhereNoneCanBeMade) {
   wish.make_template.vertices = 42;
   EXPECT_EQ(store.Create(wish, absl::UnixEpoch()).status(), templates_.available);
   EXPECT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
+}
+
+TEST_F(SessionStoreTest, CamerasWithTooManyPixelsAreExhaustion) {
+  testing::FakeTemplates templates;
+  SessionStore::Limits limits;
+  limits.session.max_camera_pixels = 24;
+  SessionStore store(limits, &templates, testing::NoTime);
+  SessionConfig config = testing::CageConfig();
+  config.cameras = {SmallCamera("left"), SmallCamera("right")};
+  EXPECT_TRUE(store.Create(config, absl::UnixEpoch()).ok());
+  config.cameras.push_back(SmallCamera("front"));
+  const absl::Status status = store.Create(config, absl::UnixEpoch()).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+  EXPECT_EQ(DetailOf(status)->value, "36");
 }
 
 }  // namespace

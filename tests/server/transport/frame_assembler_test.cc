@@ -67,6 +67,19 @@ TEST_F(FrameAssemblerTest, PutsAFrameTogetherFromItsChunks) {
   EXPECT_EQ(frame.timestamp, absl::FromUnixSeconds(12) + absl::Nanoseconds(34));
 }
 
+TEST_F(FrameAssemblerTest, MasksAreStatedInTheHeader) {
+  v1::FitFramesRequest header = Header(0, 3);
+  v1::Mask* mask = header.mutable_header()->add_masks();
+  mask->set_camera("left");
+  mask->set_png_bytes(2);
+  AddPart(header);
+  const auto added = Add(Chunk("abc"));
+  ASSERT_TRUE(added.ok() && added->has_value()) << added.status();
+  ASSERT_EQ((*added)->frame.stated_masks.size(), 1u);
+  EXPECT_EQ((*added)->frame.stated_masks[0].camera, "left");
+  EXPECT_EQ((*added)->frame.stated_masks[0].png_bytes, 2u);
+}
+
 TEST_F(FrameAssemblerTest, TakesOneFrameAfterAnother) {
   for (uint64_t number = 0; number < 3; ++number) {
     AddPart(Header(number, 3));

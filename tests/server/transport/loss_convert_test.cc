@@ -40,10 +40,13 @@ TEST(LossConvertTest, ARequestArrivesWithItsFrame) {
 
   request.mutable_frame()->set_data("bytes");
   request.mutable_frame()->set_point_count(7);
+  request.mutable_frame()->add_masks()->set_camera("left");
   const auto query = FromProto(&request);
   ASSERT_TRUE(query.ok()) << query.status();
   EXPECT_EQ(query->frame->bytes, "bytes");
   EXPECT_EQ(query->frame->point_count, 7u);
+  ASSERT_EQ(query->frame->stated_masks.size(), 1u);
+  EXPECT_EQ(query->frame->stated_masks[0].camera, "left");
 }
 
 TEST(LossConvertTest, RefusesVerticesThatAreCutOffAndUnknownEncodings) {

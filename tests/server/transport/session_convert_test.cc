@@ -27,6 +27,26 @@ void ExpectRefused(const v1::CreateSessionRequest& request, const std::string& f
   EXPECT_THAT(std::string(status.message()), HasSubstr(field));
 }
 
+// A quarter turn about z, and a different number everywhere else.
+v1::Camera UnusualCamera(const std::string& name) {
+  v1::Camera camera;
+  camera.set_name(name);
+  camera.set_width(640);
+  camera.set_height(480);
+  camera.set_fx(500);
+  camera.set_fy(510);
+  camera.set_cx(319.5);
+  camera.set_cy(239.25);
+  for (const double value : {0, -1, 0, 1, 0, 0, 0, 0, 1}) camera.add_rotation(value);
+  for (const double value : {0.25, 0.5, 3.0}) camera.add_translation(value);
+  camera.set_k1(0.01);
+  camera.set_k2(0.02);
+  camera.set_p1(0.03);
+  camera.set_p2(0.04);
+  camera.set_k3(0.05);
+  return camera;
+}
+
 // All options away from their defaults; those of the fit are those of the paper.
 v1::SessionOptions UnusualOptions() {
   v1::SessionOptions options;
@@ -36,6 +56,8 @@ v1::SessionOptions UnusualOptions() {
   options.set_key_interval(5);
   options.set_tolerance(0.003);
   options.set_max_vertices(500);
+  *options.add_cameras() = UnusualCamera("left");
+  *options.add_cameras() = UnusualCamera("right");
   return options;
 }
 
@@ -48,6 +70,10 @@ TEST(SessionConvertTest, EveryOptionArrivesAndComesBack) {
   EXPECT_EQ(config->Validate(), absl::OkStatus());
   EXPECT_EQ(config->fit.solver.max_iterations, 1000);
   EXPECT_EQ(config->fit.arap.weight, 0.01);
+  ASSERT_EQ(config->cameras.size(), 2u);
+  EXPECT_EQ(config->cameras[1].name, "right");
+  EXPECT_EQ(config->cameras[1].R * Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+  EXPECT_EQ(config->cameras[1].distortion.p2, 0.04);
 
   const SessionLedger ledger("an-id", *config, SessionLimits(), absl::FromUnixSeconds(5));
   const v1::Session session = ToProto(ledger);
@@ -59,6 +85,18 @@ TEST(SessionConvertTest, EveryOptionArrivesAndComesBack) {
   EXPECT_EQ(session.created().seconds(), 5);
   EXPECT_EQ(session.control_vertices(), 42u);
   EXPECT_EQ(session.triangles(), 80u);
+}
+
+TEST(SessionConvertTest, RefusesCamerasThatAreCutOff) {
+  v1::CreateSessionRequest request = CageRequest();
+  *request.mutable_options()->add_cameras() = UnusualCamera("left");
+  v1::Camera* second = request.mutable_options()->add_cameras();
+  *second = UnusualCamera("right");
+  second->add_rotation(1);
+  ExpectRefused(request, "options.cameras[1].rotation is 10 values long; expected 9");
+  *second = UnusualCamera("right");
+  second->mutable_translation()->Truncate(2);
+  ExpectRefused(request, "options.cameras[1].translation is 2 values long; expected 3");
 }
 
 TEST(SessionConvertTest, WhatIsNotSetTakesTheDefault) {
