@@ -113,6 +113,45 @@ void AddSolverSettings(v1::FitOptions* fit, CLI::App* command) {
                    [fit](double value) { fit->set_learning_rate(value); });
 }
 
+void AddImageSettings(v1::FitOptions* fit, CLI::App* command) {
+  AddValue<double>(command, "--distance-weight",
+                   "Weight of the distance from the surface to the target; 0: none",
+                   [fit](double value) { fit->set_distance_weight(value); });
+  AddChoice<v1::Views>(command, "--image-views",
+                       {{"none", v1::VIEWS_NONE},
+                        {"cameras", v1::VIEWS_CAMERAS},
+                        {"sphere", v1::VIEWS_SPHERE},
+                        {"tutorial", v1::VIEWS_TUTORIAL}},
+                       "Compare images, too: masks of --cameras, or of virtual cameras",
+                       [fit](v1::Views views) { fit->mutable_image()->set_views(views); });
+  AddValue<double>(command, "--image-weight", "Weight of the images; default: automatic",
+                   [fit](double value) { fit->mutable_image()->set_weight(value); });
+  AddChoice<v1::SilhouetteMode>(
+      command, "--image-mode",
+      {{"outline", v1::SILHOUETTE_MODE_OUTLINE}, {"pytorch3d", v1::SILHOUETTE_MODE_PYTORCH3D}},
+      "How silhouettes are drawn",
+      [fit](v1::SilhouetteMode mode) { fit->mutable_image()->set_mode(mode); });
+  AddValue<uint32_t>(command, "--image-size", "Pixels of the longer side",
+                     [fit](uint32_t value) { fit->mutable_image()->set_size(value); });
+  AddValue<uint32_t>(command, "--image-view-count", "Virtual views",
+                     [fit](uint32_t value) { fit->mutable_image()->set_view_count(value); });
+  AddValue<uint32_t>(
+      command, "--image-views-per-iteration", "Views drawn in each solver step; 0: all",
+      [fit](uint32_t value) { fit->mutable_image()->set_views_per_iteration(value); });
+  AddValue<double>(command, "--image-sigma", "Softness of edges, squared; unit: half the side",
+                   [fit](double value) { fit->mutable_image()->set_sigma(value); });
+  AddValue<double>(command, "--image-blur-radius", "With --image-mode pytorch3d, squared",
+                   [fit](double value) { fit->mutable_image()->set_blur_radius(value); });
+  AddValue<uint32_t>(command, "--image-faces-per-pixel", "With --image-mode pytorch3d",
+                     [fit](uint32_t value) { fit->mutable_image()->set_faces_per_pixel(value); });
+  AddValue<double>(command, "--image-depth-weight", "Of depth images, share of --image-weight",
+                   [fit](double value) { fit->mutable_image()->set_depth_weight(value); });
+  AddValue<double>(command, "--image-normal-weight", "Of normal images, share of --image-weight",
+                   [fit](double value) { fit->mutable_image()->set_normal_weight(value); });
+  AddValue<uint64_t>(command, "--image-seed", "Of the views that are drawn",
+                     [fit](uint64_t value) { fit->mutable_image()->set_seed(value); });
+}
+
 void AddDeltaSettings(v1::SessionOptions* options, CLI::App* command) {
   AddValue<double>(command, "--quantum",
                    "Grid of the control vertices, share of the diagonal; 0: float32 positions",
@@ -180,6 +219,7 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
   AddTargetSettings(a->options.mutable_fit(), command);
   AddFieldSettings(a->options.mutable_fit(), command);
   AddSolverSettings(a->options.mutable_fit(), command);
+  AddImageSettings(a->options.mutable_fit(), command);
   AddDeltaSettings(&a->options, command);
 }
 

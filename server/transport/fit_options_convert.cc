@@ -18,18 +18,20 @@ namespace cagefit::server {
 namespace {
 
 using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
 
-// An option and the field of v1::FitOptions that stands for it.
+// An option and the field of v1::FitOptions, or v1::ImageOptions, that stands for it.
 struct Row {
   const char* field;
-  std::variant<double*, std::optional<double>*, int*, bool*, Field*, Sampling*, Kernel*, RestMesh*,
-               Solver*>
+  std::variant<double*, std::optional<double>*, int*, uint64_t*, bool*, Field*, Sampling*, Kernel*,
+               RestMesh*, Solver*, Views*, SilhouetteMode*>
       option;
 };
 
 std::vector<Row> Rows(FitOptions* o) {
   return {{"remove_outliers", &o->target.remove_outliers},
           {"repair_normals", &o->target.repair_normals},
+          {"distance_weight", &o->distance.weight},
           {"field", &o->distance.field},
           {"sampling", &o->distance.sampling},
           {"samples_per_triangle", &o->distance.samples_per_triangle},
@@ -51,6 +53,21 @@ std::vector<Row> Rows(FitOptions* o) {
           {"learning_rate", &o->solver.learning_rate}};
 }
 
+std::vector<Row> Rows(ImageOptions* o) {
+  return {{"views", &o->views},
+          {"weight", &o->weight},
+          {"mode", &o->mode},
+          {"size", &o->size},
+          {"view_count", &o->view_count},
+          {"views_per_iteration", &o->views_per_iteration},
+          {"sigma", &o->sigma},
+          {"blur_radius", &o->blur_radius},
+          {"faces_per_pixel", &o->faces_per_pixel},
+          {"depth_weight", &o->depth_weight},
+          {"normal_weight", &o->normal_weight},
+          {"seed", &o->seed}};
+}
+
 // On the wire an enumerator has core's number plus one: 0 is "not set".
 template <typename Enum>
 constexpr int OnTheWire(Enum value) {
@@ -70,6 +87,12 @@ static_assert(OnTheWire(RestMesh::kPreviousFrame) == v1::REST_MESH_PREVIOUS_FRAM
 static_assert(OnTheWire(Solver::kGaussNewton) == v1::SOLVER_GAUSS_NEWTON);
 static_assert(OnTheWire(Solver::kCeres) == v1::SOLVER_CERES);
 static_assert(OnTheWire(Solver::kAdam) == v1::SOLVER_ADAM);
+static_assert(OnTheWire(Views::kNone) == v1::VIEWS_NONE);
+static_assert(OnTheWire(Views::kCameras) == v1::VIEWS_CAMERAS);
+static_assert(OnTheWire(Views::kSphere) == v1::VIEWS_SPHERE);
+static_assert(OnTheWire(Views::kTutorial) == v1::VIEWS_TUTORIAL);
+static_assert(OnTheWire(SilhouetteMode::kOutline) == v1::SILHOUETTE_MODE_OUTLINE);
+static_assert(OnTheWire(SilhouetteMode::kPytorch3d) == v1::SILHOUETTE_MODE_PYTORCH3D);
 
 absl::Status UnknownValue(absl::string_view field, int value) {
   return InvalidField(absl::StrCat("options.fit.", field), absl::StrCat(value),
@@ -78,52 +101,78 @@ absl::Status UnknownValue(absl::string_view field, int value) {
 
 // The field of a row in one message, read or written by the type of the option.
 struct FieldOf {
-  explicit FieldOf(const char* name)
-      : descriptor(v1::FitOptions::descriptor()->FindFieldByName(name)),
-        reflection(v1::FitOptions::GetReflection()) {}
+  FieldOf(const char* name, const Message& message)
+      : descriptor(message.GetDescriptor()->FindFieldByName(name)),
+        reflection(message.GetReflection()) {}
 
-  bool IsSet(const v1::FitOptions& proto) const {
+  bool IsSet(const Message& proto) const {
     return descriptor->has_presence() ? reflection->HasField(proto, descriptor)
                                       : reflection->GetEnumValue(proto, descriptor) != 0;
   }
 
-  void Read(const v1::FitOptions& proto, double* option) const {
+  void Read(const Message& proto, double* option) const {
     *option = reflection->GetDouble(proto, descriptor);
   }
-  void Read(const v1::FitOptions& proto, std::optional<double>* option) const {
+  void Read(const Message& proto, std::optional<double>* option) const {
     *option = reflection->GetDouble(proto, descriptor);
   }
-  void Read(const v1::FitOptions& proto, int* option) const {
+  void Read(const Message& proto, int* option) const {
     *option = ClampToInt(reflection->GetUInt32(proto, descriptor));
   }
-  void Read(const v1::FitOptions& proto, bool* option) const {
+  void Read(const Message& proto, uint64_t* option) const {
+    *option = reflection->GetUInt64(proto, descriptor);
+  }
+  void Read(const Message& proto, bool* option) const {
     *option = reflection->GetBool(proto, descriptor);
   }
   template <typename Enum, typename = std::enable_if_t<std::is_enum_v<Enum>>>
-  void Read(const v1::FitOptions& proto, Enum* option) const {
+  void Read(const Message& proto, Enum* option) const {
     *option = static_cast<Enum>(reflection->GetEnumValue(proto, descriptor) - 1);
   }
 
-  void Write(double option, v1::FitOptions* proto) const {
+  void Write(double option, Message* proto) const {
     reflection->SetDouble(proto, descriptor, option);
   }
-  void Write(const std::optional<double>& option, v1::FitOptions* proto) const {
+  void Write(const std::optional<double>& option, Message* proto) const {
     if (option.has_value()) Write(*option, proto);
   }
-  void Write(int option, v1::FitOptions* proto) const {
+  void Write(int option, Message* proto) const {
     reflection->SetUInt32(proto, descriptor, static_cast<uint32_t>(option));
   }
-  void Write(bool option, v1::FitOptions* proto) const {
-    reflection->SetBool(proto, descriptor, option);
+  void Write(uint64_t option, Message* proto) const {
+    reflection->SetUInt64(proto, descriptor, option);
   }
+  void Write(bool option, Message* proto) const { reflection->SetBool(proto, descriptor, option); }
   template <typename Enum, typename = std::enable_if_t<std::is_enum_v<Enum>>>
-  void Write(Enum option, v1::FitOptions* proto) const {
+  void Write(Enum option, Message* proto) const {
     reflection->SetEnumValue(proto, descriptor, OnTheWire(option));
   }
 
   const FieldDescriptor* descriptor;
   const google::protobuf::Reflection* reflection;
 };
+
+absl::Status ReadRows(const std::vector<Row>& rows, const Message& proto,
+                      absl::string_view prefix) {
+  for (const Row& row : rows) {
+    const FieldOf field(row.field, proto);
+    if (!field.IsSet(proto)) continue;
+    if (field.descriptor->enum_type() != nullptr) {
+      const int value = field.reflection->GetEnumValue(proto, field.descriptor);
+      const bool known = field.descriptor->enum_type()->FindValueByNumber(value) != nullptr;
+      if (!known) return UnknownValue(absl::StrCat(prefix, row.field), value);
+    }
+    std::visit([&](auto* option) { field.Read(proto, option); }, row.option);
+  }
+  return absl::OkStatus();
+}
+
+void WriteRows(const std::vector<Row>& rows, Message* proto) {
+  for (const Row& row : rows) {
+    const FieldOf field(row.field, *proto);
+    std::visit([&](const auto* option) { field.Write(*option, proto); }, row.option);
+  }
+}
 
 }  // namespace
 
@@ -134,25 +183,16 @@ int32_t ClampToInt(uint32_t value) {
 absl::StatusOr<FitOptions> FromProto(const v1::FitOptions& proto) {
   if (!v1::Preset_IsValid(proto.preset())) return UnknownValue("preset", proto.preset());
   FitOptions options = proto.preset() == v1::PRESET_PAPER ? FitOptions::Paper() : FitOptions();
-  for (const Row& row : Rows(&options)) {
-    const FieldOf field(row.field);
-    if (!field.IsSet(proto)) continue;
-    if (field.descriptor->enum_type() != nullptr) {
-      const int value = field.reflection->GetEnumValue(proto, field.descriptor);
-      const bool known = field.descriptor->enum_type()->FindValueByNumber(value) != nullptr;
-      if (!known) return UnknownValue(row.field, value);
-    }
-    std::visit([&](auto* option) { field.Read(proto, option); }, row.option);
-  }
+  RETURN_IF_ERROR(ReadRows(Rows(&options), proto, ""));
+  RETURN_IF_ERROR(ReadRows(Rows(&options.image), proto.image(), "image."));
   return options;
 }
 
 v1::FitOptions ToProto(const FitOptions& options) {
   v1::FitOptions proto;
   FitOptions copy = options;  // rows point to what may be changed
-  for (const Row& row : Rows(&copy)) {
-    std::visit([&](const auto* option) { FieldOf(row.field).Write(*option, &proto); }, row.option);
-  }
+  WriteRows(Rows(&copy), &proto);
+  WriteRows(Rows(&copy.image), proto.mutable_image());
   return proto;
 }
 

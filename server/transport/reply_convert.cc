@@ -104,6 +104,7 @@ v1::Energies ToProto(const Energies& energies) {
   proto.set_distance(energies.distance);
   proto.set_arap(energies.arap);
   proto.set_coverage(energies.coverage);
+  proto.set_image(energies.image);
   return proto;
 }
 

@@ -6,6 +6,8 @@
 
 #include <set>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace cagefit::client {
 namespace {
@@ -66,6 +68,28 @@ std::vector<Flag> Flags() {
       {"--remove-outliers=false", [](auto* o) { o->set_remove_outliers(false); }},
       {"--repair-normals", [](auto* o) { o->set_repair_normals(true); }},
       {"--keep-normals", [](auto* o) { o->set_repair_normals(false); }},
+      {"--distance-weight 0", [](auto* o) { o->set_distance_weight(0); }},
+      {"--image-views none", [](auto* o) { o->mutable_image()->set_views(v1::VIEWS_NONE); }},
+      {"--image-views cameras", [](auto* o) { o->mutable_image()->set_views(v1::VIEWS_CAMERAS); }},
+      {"--image-views sphere", [](auto* o) { o->mutable_image()->set_views(v1::VIEWS_SPHERE); }},
+      {"--image-views tutorial",
+       [](auto* o) { o->mutable_image()->set_views(v1::VIEWS_TUTORIAL); }},
+      {"--image-weight 0.5", [](auto* o) { o->mutable_image()->set_weight(0.5); }},
+      {"--image-mode outline",
+       [](auto* o) { o->mutable_image()->set_mode(v1::SILHOUETTE_MODE_OUTLINE); }},
+      {"--image-mode pytorch3d",
+       [](auto* o) { o->mutable_image()->set_mode(v1::SILHOUETTE_MODE_PYTORCH3D); }},
+      {"--image-size 512", [](auto* o) { o->mutable_image()->set_size(512); }},
+      {"--image-view-count 8", [](auto* o) { o->mutable_image()->set_view_count(8); }},
+      {"--image-views-per-iteration 2",
+       [](auto* o) { o->mutable_image()->set_views_per_iteration(2); }},
+      {"--image-sigma 0.001", [](auto* o) { o->mutable_image()->set_sigma(0.001); }},
+      {"--image-blur-radius 0.002", [](auto* o) { o->mutable_image()->set_blur_radius(0.002); }},
+      {"--image-faces-per-pixel 50", [](auto* o) { o->mutable_image()->set_faces_per_pixel(50); }},
+      {"--image-depth-weight 3", [](auto* o) { o->mutable_image()->set_depth_weight(3); }},
+      {"--image-normal-weight 4", [](auto* o) { o->mutable_image()->set_normal_weight(4); }},
+      {"--image-seed 18446744073709551615",
+       [](auto* o) { o->mutable_image()->set_seed(~uint64_t{0}); }},
   };
 }
 
@@ -86,16 +110,22 @@ TEST(FitOptionsTest, EveryFieldAndEveryEnumeratorHasAFlag) {
     flag.set(&options);
     reached.insert(options.ShortDebugString());
   }
-  const auto* descriptor = v1::FitOptions::descriptor();
-  for (int k = 0; k < descriptor->field_count(); ++k) {
-    const auto* field = descriptor->field(k);
+  std::vector<std::pair<std::string, const google::protobuf::FieldDescriptor*>> fields;
+  for (int k = 0; k < v1::FitOptions::descriptor()->field_count(); ++k) {
+    const auto* field = v1::FitOptions::descriptor()->field(k);
+    if (field->message_type() == nullptr) fields.emplace_back("", field);
+  }
+  for (int k = 0; k < v1::ImageOptions::descriptor()->field_count(); ++k) {
+    fields.emplace_back("image { ", v1::ImageOptions::descriptor()->field(k));
+  }
+  for (const auto& [parent, field] : fields) {
     const auto begins_with = [&](const std::string& start) {
       const auto found = reached.lower_bound(start);
       return found != reached.end() && found->compare(0, start.size(), start) == 0;
     };
-    EXPECT_TRUE(begins_with(field->name() + ": ")) << field->name();
+    EXPECT_TRUE(begins_with(parent + field->name() + ": ")) << field->name();
     for (int v = 1; field->enum_type() != nullptr && v < field->enum_type()->value_count(); ++v) {
-      const std::string text = field->name() + ": " + field->enum_type()->value(v)->name();
+      const std::string text = parent + field->name() + ": " + field->enum_type()->value(v)->name();
       EXPECT_TRUE(begins_with(text)) << text;
     }
   }
@@ -117,6 +147,13 @@ TEST(FitOptionsTest, AToleranceIsAShareOnTheWire) {
   EXPECT_DOUBLE_EQ(arguments.options.tolerance(), 0.001);
   EXPECT_EQ(arguments.options.max_vertices(), 3000u);
   EXPECT_THROW(Parse("--tolerance fine"), CLI::ParseError);
+}
+
+TEST(FitOptionsTest, MasksAreOfCameras) {
+  const FitArguments arguments = Parse("--cameras c.json --masks m");
+  EXPECT_EQ(arguments.cameras, "c.json");
+  EXPECT_EQ(arguments.masks, "m");
+  EXPECT_THROW(Parse("--masks m"), CLI::ParseError);
 }
 
 TEST(FitOptionsTest, RefusesWhatIsNoValue) {

@@ -21,12 +21,30 @@ using ::google::protobuf::util::MessageDifferencer;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+// Of the options and of those of the image loss within them.
 std::vector<const FieldDescriptor*> Fields() {
   std::vector<const FieldDescriptor*> fields;
-  for (int k = 0; k < v1::FitOptions::descriptor()->field_count(); ++k) {
-    fields.push_back(v1::FitOptions::descriptor()->field(k));
+  for (const auto* descriptor : {v1::FitOptions::descriptor(), v1::ImageOptions::descriptor()}) {
+    for (int k = 0; k < descriptor->field_count(); ++k) {
+      if (descriptor->field(k)->message_type() == nullptr) fields.push_back(descriptor->field(k));
+    }
   }
   return fields;
+}
+
+bool IsOfImages(const FieldDescriptor* field) {
+  return field->containing_type() == v1::ImageOptions::descriptor();
+}
+
+// The message that holds a field.
+google::protobuf::Message* Holder(v1::FitOptions* proto, const FieldDescriptor* field) {
+  if (IsOfImages(field)) return proto->mutable_image();
+  return proto;
+}
+
+// As errors of the options' ranges call it.
+std::string NameOf(const FieldDescriptor* field) {
+  return (IsOfImages(field) ? "image." : "") + field->name();
 }
 
 // All options away from their defaults, as the wire has them and as core does.
@@ -53,15 +71,42 @@ v1::FitOptions UnusualProto() {
   fit.set_learning_rate(0.015625);
   fit.set_remove_outliers(false);
   fit.set_repair_normals(false);
+  fit.set_distance_weight(0.625);
+  v1::ImageOptions& image = *fit.mutable_image();
+  image.set_views(v1::VIEWS_TUTORIAL);
+  image.set_weight(0.03125);
+  image.set_mode(v1::SILHOUETTE_MODE_PYTORCH3D);
+  image.set_size(512);
+  image.set_view_count(7);
+  image.set_views_per_iteration(3);
+  image.set_sigma(0.0009765625);
+  image.set_blur_radius(0.001953125);
+  image.set_faces_per_pixel(44);
+  image.set_depth_weight(1.5);
+  image.set_normal_weight(2.5);
+  image.set_seed(uint64_t{1} << 40);
   return fit;
 }
 
 FitOptions Unusual() {
   FitOptions o;
   o.target = {false, false};
-  o.distance = {Field::kRimls, Sampling::kArea, 9, 0.25, 0.0625, 3, 0.75, 8, Kernel::kTukey, 0.375};
+  o.distance = {0.625,          Field::kRimls, Sampling::kArea, 9, 0.25, 0.0625, 3, 0.75, 8,
+                Kernel::kTukey, 0.375};
   o.coverage = {0.875, 33};
   o.arap = {0.125, RestMesh::kPreviousFrame};
+  o.image = {Views::kTutorial,
+             0.03125,
+             1.5,
+             2.5,
+             SilhouetteMode::kPytorch3d,
+             512,
+             7,
+             3,
+             0.0009765625,
+             0.001953125,
+             44,
+             uint64_t{1} << 40};
   o.solver = {Solver::kAdam, 17, 0.5, 2, 0.015625};
   return o;
 }
@@ -69,6 +114,7 @@ FitOptions Unusual() {
 void ExpectSame(const FitOptions& a, const FitOptions& b) {
   EXPECT_EQ(a.target.remove_outliers, b.target.remove_outliers);
   EXPECT_EQ(a.target.repair_normals, b.target.repair_normals);
+  EXPECT_EQ(a.distance.weight, b.distance.weight);
   EXPECT_EQ(a.distance.field, b.distance.field);
   EXPECT_EQ(a.distance.sampling, b.distance.sampling);
   EXPECT_EQ(a.distance.samples_per_triangle, b.distance.samples_per_triangle);
@@ -88,6 +134,18 @@ void ExpectSame(const FitOptions& a, const FitOptions& b) {
   EXPECT_EQ(a.solver.relative_decrease, b.solver.relative_decrease);
   EXPECT_EQ(a.solver.first_stiffness, b.solver.first_stiffness);
   EXPECT_EQ(a.solver.learning_rate, b.solver.learning_rate);
+  EXPECT_EQ(a.image.views, b.image.views);
+  EXPECT_EQ(a.image.weight, b.image.weight);
+  EXPECT_EQ(a.image.mode, b.image.mode);
+  EXPECT_EQ(a.image.size, b.image.size);
+  EXPECT_EQ(a.image.view_count, b.image.view_count);
+  EXPECT_EQ(a.image.views_per_iteration, b.image.views_per_iteration);
+  EXPECT_EQ(a.image.sigma, b.image.sigma);
+  EXPECT_EQ(a.image.blur_radius, b.image.blur_radius);
+  EXPECT_EQ(a.image.faces_per_pixel, b.image.faces_per_pixel);
+  EXPECT_EQ(a.image.depth_weight, b.image.depth_weight);
+  EXPECT_EQ(a.image.normal_weight, b.image.normal_weight);
+  EXPECT_EQ(a.image.seed, b.image.seed);
 }
 
 TEST(FitOptionsConvertTest, EveryOptionArrivesAtItsPlace) {
@@ -103,12 +161,16 @@ TEST(FitOptionsConvertTest, EveryOptionComesBack) {
 }
 
 TEST(FitOptionsConvertTest, TheOptionsInForceNameEveryFieldButThePreset) {
-  const v1::FitOptions in_force = ToProto(FitOptions::Paper());
+  FitOptions options = FitOptions::Paper();
+  options.image.weight = 1;
+  v1::FitOptions in_force = ToProto(options);
   for (const FieldDescriptor* field : Fields()) {
-    EXPECT_EQ(v1::FitOptions::GetReflection()->HasField(in_force, field), field->name() != "preset")
+    const google::protobuf::Message& holder = *Holder(&in_force, field);
+    EXPECT_EQ(holder.GetReflection()->HasField(holder, field), field->name() != "preset")
         << field->name();
   }
   EXPECT_FALSE(ToProto(FitOptions()).has_arap_weight()) << "it stays automatic";
+  EXPECT_FALSE(ToProto(FitOptions()).image().has_weight()) << "it stays automatic";
 }
 
 TEST(FitOptionsConvertTest, WhatIsNotSetTakesThePresetsValue) {
@@ -145,11 +207,13 @@ TEST(FitOptionsConvertTest, EveryValueOfEveryEnumIsKnown) {
     if (field->enum_type() == nullptr || field->name() == "preset") continue;
     for (int k = 1; k < field->enum_type()->value_count(); ++k) {
       v1::FitOptions proto;
-      v1::FitOptions::GetReflection()->SetEnum(&proto, field, field->enum_type()->value(k));
+      google::protobuf::Message* holder = Holder(&proto, field);
+      holder->GetReflection()->SetEnum(holder, field, field->enum_type()->value(k));
       const auto options = FromProto(proto);
       ASSERT_TRUE(options.ok()) << options.status();
-      EXPECT_EQ(v1::FitOptions::GetReflection()->GetEnumValue(ToProto(*options), field), k)
-          << field->name();
+      v1::FitOptions back = ToProto(*options);
+      holder = Holder(&back, field);
+      EXPECT_EQ(holder->GetReflection()->GetEnumValue(*holder, field), k) << field->name();
     }
   }
 }
@@ -159,11 +223,12 @@ TEST(FitOptionsConvertTest, RefusesEnumValuesThatItDoesNotKnow) {
     if (field->enum_type() == nullptr) continue;
     for (const int value : {99, -1}) {
       v1::FitOptions proto;
-      v1::FitOptions::GetReflection()->SetEnumValue(&proto, field, value);
+      google::protobuf::Message* holder = Holder(&proto, field);
+      holder->GetReflection()->SetEnumValue(holder, field, value);
       const absl::Status status = FromProto(proto).status();
       EXPECT_TRUE(absl::IsInvalidArgument(status)) << field->name() << ": " << status;
       ASSERT_TRUE(DetailOf(status).has_value());
-      EXPECT_EQ(DetailOf(status)->field, "options.fit." + field->name());
+      EXPECT_EQ(DetailOf(status)->field, "options.fit." + NameOf(field));
       EXPECT_EQ(DetailOf(status)->value, std::to_string(value));
     }
   }
@@ -205,16 +270,38 @@ constexpr BadValue kBadValues[] = {{"radius", -1, "-1"},
                                    {"coverage_points_per_vertex", 0, "0"},
                                    {"coverage_points_per_vertex", 1001, "1001"},
                                    {"learning_rate", 0, "0"},
-                                   {"learning_rate", 2, "2"}};
+                                   {"learning_rate", 2, "2"},
+                                   {"distance_weight", -1, "-1"},
+                                   {"distance_weight", kNan, "nan"},
+                                   {"image.weight", -1, "-1"},
+                                   {"image.size", 63, "63"},
+                                   {"image.size", 4e9, "2.14748e+09"},
+                                   {"image.view_count", 0, "0"},
+                                   {"image.view_count", 201, "201"},
+                                   {"image.views_per_iteration", 201, "201"},
+                                   {"image.sigma", 0, "0"},
+                                   {"image.blur_radius", 1.5, "1.5"},
+                                   {"image.faces_per_pixel", 0, "0"},
+                                   {"image.depth_weight", -1, "-1"},
+                                   {"image.normal_weight", kNan, "nan"}};
+
+const FieldDescriptor* FieldNamed(const std::string& name) {
+  for (const FieldDescriptor* field : Fields()) {
+    if (NameOf(field) == name) return field;
+  }
+  return nullptr;
+}
 
 TEST(FitOptionsConvertTest, EveryValueOutOfRangeIsRefusedByName) {
   for (const BadValue& bad : kBadValues) {
-    const FieldDescriptor* field = v1::FitOptions::descriptor()->FindFieldByName(bad.field);
+    const FieldDescriptor* field = FieldNamed(bad.field);
+    ASSERT_NE(field, nullptr) << bad.field;
     v1::FitOptions proto;
+    google::protobuf::Message* holder = Holder(&proto, field);
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
-      v1::FitOptions::GetReflection()->SetDouble(&proto, field, bad.value);
+      holder->GetReflection()->SetDouble(holder, field, bad.value);
     } else {
-      v1::FitOptions::GetReflection()->SetUInt32(&proto, field, static_cast<uint32_t>(bad.value));
+      holder->GetReflection()->SetUInt32(holder, field, static_cast<uint32_t>(bad.value));
     }
     const auto options = FromProto(proto);
     ASSERT_TRUE(options.ok()) << options.status();
@@ -227,10 +314,11 @@ TEST(FitOptionsConvertTest, EveryValueOutOfRangeIsRefusedByName) {
 
 TEST(FitOptionsConvertTest, EveryNumberHasAValueThatIsOutOfRange) {
   for (const FieldDescriptor* field : Fields()) {
-    if (field->enum_type() != nullptr || field->cpp_type() == FieldDescriptor::CPPTYPE_BOOL)
-      continue;
+    const bool takes_all = field->cpp_type() == FieldDescriptor::CPPTYPE_BOOL ||
+                           field->cpp_type() == FieldDescriptor::CPPTYPE_UINT64;
+    if (field->enum_type() != nullptr || takes_all) continue;
     bool tested = false;
-    for (const BadValue& bad : kBadValues) tested |= field->name() == bad.field;
+    for (const BadValue& bad : kBadValues) tested |= NameOf(field) == bad.field;
     EXPECT_TRUE(tested) << field->name();
   }
 }
