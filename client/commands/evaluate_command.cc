@@ -9,6 +9,7 @@
 #include "client/commands/command.h"
 #include "client/commands/input_files.h"
 #include "client/commands/json.h"
+#include "client/commands/true_motion.h"
 #include "client/io/geometry_file.h"
 #include "client/limit_surface.h"
 #include "core/base/status.h"
@@ -34,10 +35,10 @@ absl::StatusOr<SurfaceMetrics> Compare(const TriangleMesh& fit, const std::strin
   return CompareToCloud(fit, ToCloud(geometry));
 }
 
-absl::Status CheckSameNumber(size_t cages, size_t others, const std::string& what) {
-  if (cages == others) return absl::OkStatus();
+absl::Status CheckSameNumber(size_t cages, size_t targets) {
+  if (cages == targets) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrCat(cages, " control meshes but ", others, " ", what, "; expected as many"));
+      absl::StrCat(cages, " control meshes but ", targets, " targets; expected as many"));
 }
 
 // Frame by frame; drift is measured against the first one.
@@ -48,11 +49,10 @@ class Evaluation {
   absl::StatusOr<std::vector<Evaluated>> Run() {
     ASSIGN_OR_RETURN(const std::vector<std::string> cages, ListInputs({arguments_.cages}));
     ASSIGN_OR_RETURN(const std::vector<std::string> targets, ListInputs({arguments_.targets}));
-    RETURN_IF_ERROR(CheckSameNumber(cages.size(), targets.size(), "targets"));
-    std::vector<std::string> truth;
+    RETURN_IF_ERROR(CheckSameNumber(cages.size(), targets.size()));
+    std::optional<TrueMotion> truth;
     if (!arguments_.truth.empty()) {
-      ASSIGN_OR_RETURN(truth, ListInputs({arguments_.truth}));
-      RETURN_IF_ERROR(CheckSameNumber(cages.size(), truth.size(), "frames of the true motion"));
+      ASSIGN_OR_RETURN(truth, TrueMotion::Open({arguments_.truth}, cages.size()));
     }
     std::vector<Evaluated> frames;
     for (size_t k = 0; k < cages.size(); ++k) {
@@ -62,8 +62,9 @@ class Evaluation {
       frame.cage = cages[k];
       frame.target = targets[k];
       ASSIGN_OR_RETURN(frame.distances, Compare(fit, targets[k]));
-      if (!truth.empty()) {
-        ASSIGN_OR_RETURN(frame.drift, MeasureDrift(fit, truth[k]));
+      if (truth.has_value()) {
+        ASSIGN_OR_RETURN(const Points3d points, truth->Vertices(k));
+        ASSIGN_OR_RETURN(frame.drift, MeasureDrift(cages[k], fit, points));
       }
       frames.push_back(std::move(frame));
     }
@@ -71,26 +72,23 @@ class Evaluation {
   }
 
  private:
-  absl::StatusOr<DriftStats> MeasureDrift(const TriangleMesh& fit, const std::string& truth) {
-    ASSIGN_OR_RETURN(const Geometry geometry, ReadGeometry(truth));
-    const Points3d& points = geometry.mesh.vertices;
+  absl::StatusOr<DriftStats> MeasureDrift(const std::string& cage, const TriangleMesh& fit,
+                                          const Points3d& truth) {
     if (!meter_.has_value()) {
-      fit_triangles_ = fit.triangles.cols();
-      truth_points_ = points.cols();
-      meter_.emplace(fit, points);
+      fit_triangles_ = fit.triangles;
+      meter_.emplace(fit, truth);
     }
-    if (fit.triangles.cols() != fit_triangles_ || points.cols() != truth_points_) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(truth, ": ", points.cols(), " points and ", fit.triangles.cols(),
-                       " triangles of the fit; the first frame has ", truth_points_, " and ",
-                       fit_triangles_, ", and drift needs one connectivity for all frames"));
+    if (fit.triangles.cols() != fit_triangles_.cols() || fit.triangles != fit_triangles_) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          cage, ": its limit surface has ", fit.triangles.cols(), " triangles, the first one's ",
+          fit_triangles_.cols(), "; drift needs one connectivity for all frames"));
     }
-    return meter_->Measure(fit.vertices, points);
+    return meter_->Measure(fit.vertices, truth);
   }
 
   const EvaluateArguments& arguments_;
   std::optional<DriftMeter> meter_;
-  int64_t fit_triangles_ = 0, truth_points_ = 0;
+  Triangles fit_triangles_;  // of the first frame
 };
 
 Json FramesJson(const std::vector<Evaluated>& frames) {

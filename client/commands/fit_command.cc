@@ -13,6 +13,7 @@
 #include "absl/strings/str_format.h"
 #include "client/camera_to_proto.h"
 #include "client/commands/command.h"
+#include "client/commands/drift_report.h"
 #include "client/commands/fit_options.h"
 #include "client/commands/fit_report.h"
 #include "client/commands/input_files.h"
@@ -20,6 +21,7 @@
 #include "client/commands/mask_files.h"
 #include "client/commands/message_json.h"
 #include "client/commands/progress.h"
+#include "client/commands/true_motion.h"
 #include "client/embedded_server.h"
 #include "client/encode_frame.h"
 #include "client/fit_client.h"
@@ -46,12 +48,17 @@ absl::Status MakeFolder(const std::string& path) {
 // One `cagefit fit`: files in, one session, one stream, files out.
 class FitJob {
  public:
-  FitJob(const FitArguments& arguments, std::vector<std::string> files, Interrupt* interrupt)
-      : arguments_(arguments), interrupt_(interrupt) {
+  FitJob(const FitArguments& arguments, std::vector<std::string> files,
+         std::optional<TrueMotion> truth, Interrupt* interrupt)
+      : arguments_(arguments), truth_(std::move(truth)), interrupt_(interrupt) {
     for (std::string& file : files) {
       report_.frames.emplace_back();
       report_.frames.back().file = std::move(file);
     }
+    if (truth_.has_value()) report_.drift_kind = DriftKind::kTruth;
+    if (!arguments.round_trip) return;
+    report_.drift_kind = DriftKind::kRoundTrip;
+    report_.way_back.assign(report_.frames.rbegin() + 1, report_.frames.rend());
   }
 
   // The report holds whatever came, even when this fails.
@@ -76,10 +83,13 @@ class FitJob {
     }
     if (report_.diagonal == 0) report_.diagonal = SampledDiagonal();
     report_.settings = Settings();
+    // What was fitted is written even where the true motion cannot be read any more.
+    const absl::Status measured = MeasureDrift();
     RETURN_IF_ERROR(WriteFileBytes(arguments_.out + "/report.json", ReportJson(report_).dump(2)));
-    if (last_fitted_ == nullptr) return absl::OkStatus();
-    return WriteControlMesh(arguments_.out + "/cage.obj",
-                            cage_->WithVertices(last_fitted_->control_vertices));
+    if (last_fitted_ == nullptr) return measured;
+    RETURN_IF_ERROR(WriteControlMesh(arguments_.out + "/cage.obj",
+                                     cage_->WithVertices(last_fitted_->control_vertices)));
+    return measured;
   }
 
   const FitReport& report() const { return report_; }
@@ -141,12 +151,30 @@ class FitJob {
     return received;
   }
 
+  absl::Status MeasureDrift() {
+    if (!cage_.has_value() || interrupt_->seen()) return absl::OkStatus();
+    if (truth_.has_value()) return MeasureTrueDrift(*cage_, &*truth_, &report_);
+    MeasureRoundTripDrift(*cage_, &report_);
+    return absl::OkStatus();
+  }
+
+  // Visits: to every frame, and on a round trip to all but the last once more, backwards.
+  size_t VisitCount() const { return report_.frames.size() + report_.way_back.size(); }
+  bool IsWayBack(size_t visit) const { return visit >= report_.frames.size(); }
+  FrameRecord& RecordOfVisit(size_t visit) {
+    return IsWayBack(visit) ? report_.way_back[visit - report_.frames.size()]
+                            : report_.frames[visit];
+  }
+  size_t FrameOfVisit(size_t visit) const {
+    return IsWayBack(visit) ? VisitCount() - 1 - visit : visit;
+  }
+
   // On a thread of its own. A file that cannot be read is a refused frame and takes no number.
   void SendAll() {
     uint64_t number = 0;
-    for (size_t k = 0; k < report_.frames.size() && !interrupt_->seen(); ++k) {
-      FrameRecord& record = report_.frames[k];
-      auto read = ReadFrame(k);
+    for (size_t k = 0; k < VisitCount() && !interrupt_->seen(); ++k) {
+      FrameRecord& record = RecordOfVisit(k);
+      auto read = ReadFrame(FrameOfVisit(k));
       if (!read.ok()) {
         record.status = absl::InvalidArgumentError(read.status().message());
         continue;
@@ -155,7 +183,7 @@ class FitJob {
       frame.sequence_number = number++;
       {
         std::lock_guard<std::mutex> lock(mutex_);
-        file_of_number_.push_back(k);
+        visit_of_number_.push_back(k);
       }
       if (!stream_->Send(frame).ok()) return;  // the stream has ended; the receiver knows why
     }
@@ -173,29 +201,32 @@ class FitJob {
 
   absl::Status ReceiveAll() {
     std::optional<Progress> progress;
-    if (!arguments_.json) progress.emplace(report_.frames.size());
+    if (!arguments_.json) progress.emplace(VisitCount());
     size_t answered = 0;
     double first = 0;
     while (true) {
       ASSIGN_OR_RETURN(std::optional<FittedFrame> frame, stream_->Receive());
       if (!frame.has_value()) return absl::OkStatus();
-      const size_t index = FileOfNumber(frame->reply.sequence_number());
-      FrameRecord& record = report_.frames[index];
-      RETURN_IF_ERROR(Take(*std::move(frame), index, &record));
+      const size_t visit = VisitOfNumber(frame->reply.sequence_number());
+      FrameRecord& record = RecordOfVisit(visit);
+      RETURN_IF_ERROR(Take(*std::move(frame), visit, &record));
       const double now = Seconds();
       if (answered++ == 0) first = now;
       if (answered > 1) report_.frames_per_second = (answered - 1) / (now - first);
-      if (progress.has_value()) progress->Show(index + 1, Describe(record));
-      if (arguments_.json) std::cout << FrameJson(record, index, 0).dump() << std::endl;
+      if (progress.has_value()) progress->Show(visit + 1, Describe(record));
+      if (!arguments_.json) continue;
+      Json json = FrameJson(record, FrameOfVisit(visit), 0);
+      if (IsWayBack(visit)) json["way_back"] = true;
+      std::cout << json.dump() << std::endl;
     }
   }
 
-  size_t FileOfNumber(uint64_t number) {
+  size_t VisitOfNumber(uint64_t number) {
     std::lock_guard<std::mutex> lock(mutex_);
-    return file_of_number_.at(number);
+    return visit_of_number_.at(number);
   }
 
-  absl::Status Take(FittedFrame frame, size_t index, FrameRecord* record) {
+  absl::Status Take(FittedFrame frame, size_t visit, FrameRecord* record) {
     record->status = frame.status;
     record->delta_bytes = static_cast<int64_t>(frame.reply.delta().ByteSizeLong());
     if (frame.status.ok()) {
@@ -203,14 +234,18 @@ class FitJob {
         ASSIGN_OR_RETURN(cage_, MadeTemplate(frame));
       }
       record->control_vertices = std::move(frame.control_vertices);
-      last_fitted_ = record;
-      RETURN_IF_ERROR(WriteControlMesh(absl::StrFormat("%s/frames/%04d.obj", arguments_.out, index),
-                                       cage_->WithVertices(record->control_vertices)));
+      if (!IsWayBack(visit)) RETURN_IF_ERROR(Write(visit, record));
     }
     record->reply = std::move(frame.reply);
     record->reply.clear_delta();
     record->reply.clear_template_();
     return absl::OkStatus();
+  }
+
+  absl::Status Write(size_t frame, const FrameRecord* record) {
+    last_fitted_ = record;
+    return WriteControlMesh(absl::StrFormat("%s/frames/%04d.obj", arguments_.out, frame),
+                            cage_->WithVertices(record->control_vertices));
   }
 
   absl::StatusOr<ControlMesh> MadeTemplate(const FittedFrame& frame) {
@@ -254,18 +289,21 @@ class FitJob {
             {"masks", arguments_.masks},
             {"server", arguments_.server},
             {"position_bits", arguments_.position_bits},
+            {"truth", arguments_.truth},
+            {"round_trip", arguments_.round_trip},
             {"options", ToJson(report_.session.options())}};
   }
 
   const FitArguments& arguments_;
+  std::optional<TrueMotion> truth_;
   Interrupt* interrupt_;
   std::unique_ptr<EmbeddedServer> embedded_;
   std::unique_ptr<FitClient> client_;
   std::unique_ptr<FrameStream> stream_;
   std::vector<std::vector<MaskFile>> masks_;  // of every frame, where there are any
   std::mutex mutex_;
-  std::vector<size_t> file_of_number_;  // of every sequence number that was sent
-  std::optional<ControlMesh> cage_;     // its connectivity is that of every frame
+  std::vector<size_t> visit_of_number_;  // of every sequence number that was sent
+  std::optional<ControlMesh> cage_;      // its connectivity is that of every frame
   const FrameRecord* last_fitted_ = nullptr;
   FitReport report_;
 };
@@ -287,6 +325,14 @@ int ReportBrokenOff(const absl::Status& status, const FitReport& report, bool in
   return fitted > 0 ? kPartlyDone : kFailed;
 }
 
+// Checked before a long fit begins.
+absl::StatusOr<std::optional<TrueMotion>> OpenTruth(const FitArguments& arguments, size_t frames) {
+  if (arguments.truth.empty()) return std::optional<TrueMotion>();
+  ASSIGN_OR_RETURN(TrueMotion truth, TrueMotion::Open(arguments.truth, frames));
+  RETURN_IF_ERROR(truth.Check());
+  return std::optional<TrueMotion>(std::move(truth));
+}
+
 int Fit(const FitArguments& arguments) {
   if (arguments.cage.empty() && arguments.vertices == 0 && !arguments.options.has_tolerance()) {
     std::cerr
@@ -298,8 +344,17 @@ int Fit(const FitArguments& arguments) {
     Report(files.status());
     return kWrongUsage;
   }
+  if (arguments.round_trip && files->size() < 2) {
+    std::cerr << "cagefit: --round-trip needs a sequence; there is only " << files->front() << "\n";
+    return kWrongUsage;
+  }
+  auto truth = OpenTruth(arguments, files->size());
+  if (!truth.ok()) {
+    Report(truth.status());
+    return kWrongUsage;
+  }
   Interrupt interrupt;
-  FitJob job(arguments, *std::move(files), &interrupt);
+  FitJob job(arguments, *std::move(files), *std::move(truth), &interrupt);
   const absl::Status done = job.Run();
   if (!job.has_begun()) {
     const int exit_code = Report(done);

@@ -208,6 +208,14 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
   command->add_option("--config", "File of options, one name=value a line");
   command->add_option("--name", a->name, "Of the session, for people; default: the input");
   command->add_flag("--keep-session", a->keep_session, "Leave the session on the server");
+  CLI::Option* truth =
+      command->add_option("--truth", a->truth,
+                          "Measure drift against the true motion: a folder, or files, of meshes "
+                          "whose vertices correspond, one a frame");
+  command
+      ->add_flag("--round-trip", a->round_trip,
+                 "Measure drift without it: fit the frames forth and back again")
+      ->excludes(truth);
   command->add_flag("--quick", a->quick, "Only the server's sampled distances, no exact ones");
   command->add_flag("--json", a->json, "Print one JSON object a frame, and one at the end");
   command->add_option("--threads", a->threads, "Of the server inside; 0: one per core")

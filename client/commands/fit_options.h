@@ -14,13 +14,14 @@ namespace cagefit::client {
 
 struct FitArguments {
   std::vector<std::string> inputs;
+  std::vector<std::string> truth;  // files of the true motion; empty: none
   std::string out, cage, server, name;
   std::string cameras, masks;  // a file or folder of cameras; a folder of their masks, or none
   uint32_t vertices = 0;
   std::optional<double> crease_angle;  // degrees
   int position_bits = 16;
   int threads = 0;  // of the server inside; 0: one per core
-  bool keep_session = false, quick = false, json = false;
+  bool keep_session = false, quick = false, json = false, round_trip = false;
   v1::SessionOptions options;  // what is not given stays unset: the server's defaults
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_format.h"
+#include "client/commands/drift_report.h"
 #include "client/commands/message_json.h"
 #include "client/io/geometry_file.h"
 #include "core/metrics/surface_samples.h"
@@ -122,6 +123,7 @@ Json FrameJson(const FrameRecord& frame, size_t index, double diagonal) {
   json["sampled_distances"] = std::move(json["distances"]);
   json.erase("distances");
   if (frame.distances.has_value()) json["distances"] = ToJson(*frame.distances, diagonal);
+  if (frame.drift.has_value()) json["drift"] = ToJson(*frame.drift, diagonal);
   json["delta_bytes"] = frame.delta_bytes;
   return json;
 }
@@ -142,9 +144,15 @@ Json ReportJson(const FitReport& report) {
                    {"worst_rms_percent", totals.worst_rms_percent},
                    {"seconds", totals.seconds},
                    {"frames_per_second", totals.frames_per_second}};
+  const Json drift = TotalDriftJson(report);
+  if (!drift.is_null()) json["total"]["drift"] = drift;
   json["frames"] = Json::array();
   for (size_t k = 0; k < report.frames.size(); ++k) {
     json["frames"].push_back(FrameJson(report.frames[k], k, report.diagonal));
+  }
+  for (size_t k = 0; k < report.way_back.size(); ++k) {
+    const size_t index = report.way_back.size() - 1 - k;
+    json["way_back"].push_back(FrameJson(report.way_back[k], index, report.diagonal));
   }
   return json;
 }
@@ -179,6 +187,7 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
     out << absl::StreamFormat(", %.1f frames a second", totals.frames_per_second);
   }
   out << "\n";
+  PrintDriftTable(report, rows, out);
   for (const FrameRecord& frame : report.frames) {
     if (IsFitted(frame) && frame.reply.has_tolerance())
       PrintTolerance(frame.reply.tolerance(), out);

@@ -21,7 +21,12 @@ struct FrameRecord {
   int64_t delta_bytes = 0;
   Points3d control_vertices;               // 3 x n when fitted
   std::optional<DistanceStats> distances;  // exact, of the whole target
+  std::optional<DriftStats> drift;         // as FitReport::drift_kind says
 };
+
+// What a frame's drift is measured against: the true motion since the first fitted frame, or the
+// fit of the same frame on the way back.
+enum class DriftKind { kNone, kTruth, kRoundTrip };
 
 struct FitTotals {
   int fitted = 0, refused = 0, unanswered = 0, suspect = 0, lost = 0;
@@ -33,6 +38,8 @@ struct FitTotals {
 
 struct FitReport {
   std::vector<FrameRecord> frames;
+  std::vector<FrameRecord> way_back;  // of a round trip: from the last frame but one to frame 0
+  DriftKind drift_kind = DriftKind::kNone;
   v1::Session session;
   Json settings;
   double diagonal = 0;  // of the first target's bounding box

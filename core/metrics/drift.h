@@ -1,8 +1,13 @@
-// How far material points slide along the fitted surface, against ground truth.
+// How far material points slide along the fitted surface: against ground truth, or without it by
+// going forth and back.
 //
 // Each ground-truth vertex is bound at frame 0 to the closest point (triangle, u, v) of the fit's
 // limit mesh. Drift in frame t is the displacement of that bound point since frame 0 minus the true
 // displacement.
+//
+// Round trip: a sequence that is fitted forth and then back to where it began has moved by nothing,
+// so what the limit mesh's vertices have moved is drift. It is no upper bound: what slides one way
+// on the way there and back again is not seen.
 #ifndef CAGEFIT_CORE_METRICS_DRIFT_H_
 #define CAGEFIT_CORE_METRICS_DRIFT_H_
 
@@ -31,6 +36,14 @@ class DriftMeter {
   std::vector<ClosestPoint> bound_;  // per ground-truth vertex
   Points3d truth_;                   // frame 0
 };
+
+// Of the vertices of a limit mesh, from a fit of a frame to `returned` (as many), a later fit of
+// the same frame. The tangential part is that in the tangent planes of `fit`.
+DriftStats RoundTripDrift(const TriangleMesh& fit, const Points3d& returned);
+
+// Over several frames that measured equally many points: means of means, the root of the mean of
+// the squared RMS, the largest maximum.
+DriftStats Combine(const std::vector<DriftStats>& frames);
 
 }  // namespace cagefit
 

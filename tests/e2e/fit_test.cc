@@ -79,6 +79,61 @@ TEST(FitEndToEndTest, ABlobKeepsItsMaterialPoints) {
   EXPECT_LT(frames[7]["drift"]["mean_percent"], 2.5);
 }
 
+TEST(FitEndToEndTest, DriftIsMeasuredAgainstTheTrueMotion) {
+  const std::string capture = Synth("blob", 4, 10'000), out = EmptyFolder("fit_truth");
+  const ProgramResult fit =
+      Fit(capture, out, {"--vertices", "200", "--quick", "--truth", capture + "/truth"});
+  ASSERT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_THAT(fit.out, HasSubstr("Drift against the true motion since frame 0"));
+  const auto report = ReadJson(out + "/report.json");
+  EXPECT_EQ(report["total"]["drift"]["measured"], "against_true_motion");
+  EXPECT_GT(report["total"]["drift"]["mean_percent"], 0);
+  EXPECT_LT(report["total"]["drift"]["mean_percent"], 2);
+  const ProgramResult evaluated =
+      RunCagefit({"evaluate", out + "/frames", capture, "--truth", capture + "/truth", "--json"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  const double mean = report["frames"][3]["drift"]["mean"];
+  EXPECT_NEAR(nlohmann::json::parse(evaluated.out)[3]["drift"]["mean"], mean, 1e-4 * mean)
+      << "of the same control meshes, but for the digits of .obj files";
+}
+
+TEST(FitEndToEndTest, WithoutATrueMotionTheRoundTripTellsDrift) {
+  const std::string capture = Synth("blob", 4, 10'000), out = EmptyFolder("fit_round_trip");
+  const ProgramResult fit = Fit(capture, out, {"--vertices", "200", "--quick", "--round-trip"});
+  ASSERT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_THAT(fit.out, HasSubstr("Round-trip drift"));
+  const auto report = ReadJson(out + "/report.json");
+  EXPECT_EQ(report["total"]["drift"]["measured"], "round_trip");
+  EXPECT_GT(report["total"]["drift"]["mean_percent"], 0);
+  EXPECT_LT(report["total"]["drift"]["mean_percent"], 2);
+  EXPECT_EQ(report["frames"].size(), 4u);
+  ASSERT_EQ(report["way_back"].size(), 3u);
+  EXPECT_EQ(report["way_back"][2]["file"], report["frames"][0]["file"]);
+  EXPECT_EQ(report["way_back"][2]["sequence_number"], "6");
+  EXPECT_EQ(ReadText(out + "/cage.obj"), ReadText(out + "/frames/0003.obj"))
+      << "the way back leaves the result alone";
+}
+
+TEST(FitEndToEndTest, ATrueMotionThatDoesNotMatchIsWrongUsage) {
+  const std::string capture = Synth("blob", 3, 1'000), out = EmptyFolder("fit_wrong_truth");
+  const std::string truth = capture + "/truth/frame_0000.ply";
+  const std::string other_mesh = EmptyFolder("other_truth") + "/other.ply";
+  const auto fit = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> more = {"--vertices", "100"};
+    more.insert(more.end(), flags.begin(), flags.end());
+    return Fit(capture, out, more);
+  };
+  const ProgramResult few = fit({"--truth", truth, truth});
+  EXPECT_EQ(few.exit_code, 2);
+  EXPECT_THAT(few.err, HasSubstr("2 frames of the true motion; expected"));
+  ASSERT_EQ(RunCagefit({"template", truth, "--vertices", "50", "--out", other_mesh}).exit_code, 0);
+  const ProgramResult other = fit({"--truth", truth, other_mesh, truth});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("/other.ply: 50 vertices and 96 triangles"));
+  EXPECT_EQ(fit({"--truth", truth, "--round-trip"}).exit_code, 2);
+  EXPECT_EQ(Fit(truth, out, {"--vertices", "100", "--round-trip"}).exit_code, 2);
+}
+
 TEST(FitEndToEndTest, NoiseAndOutliersDoNotThrowItOff) {
   const std::string capture =
       Synth("blob", 3, 20'000, {"--noise", "0.002", "--outliers", "0.01", "--seed", "3"});

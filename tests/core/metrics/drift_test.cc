@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "tests/support/shapes.h"
 
@@ -47,6 +48,35 @@ TEST(DriftMeterTest, OneBadPointShowsInTheMaximum) {
   EXPECT_NEAR(drift.max, 0.4, 1e-12);
   EXPECT_NEAR(drift.mean, 0.1, 1e-12);
   EXPECT_NEAR(drift.rms, 0.2, 1e-12);
+}
+
+TEST(RoundTripDriftTest, IsWhatTheVerticesHaveMoved) {
+  const TriangleMesh sphere = testing::Icosphere(3);
+  // A turn about z moves points along the sphere, by twice the sine of half the angle times their
+  // distance from the axis.
+  const double angle = 0.1;
+  const Points3d turned =
+      Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix() * sphere.vertices;
+  const double chord = 2 * std::sin(angle / 2);
+  const Eigen::ArrayXd arms = sphere.vertices.topRows(2).colwise().norm().transpose().array();
+  const DriftStats slid = RoundTripDrift(sphere, turned);
+  EXPECT_NEAR(slid.mean, chord * arms.mean(), 1e-12);
+  EXPECT_NEAR(slid.rms, chord * std::sqrt(arms.square().mean()), 1e-12);
+  EXPECT_NEAR(slid.max, chord, 1e-12);
+  EXPECT_NEAR(slid.tangential_mean, slid.mean, 2e-3 * slid.mean);
+  const DriftStats grown = RoundTripDrift(sphere, 1.25 * sphere.vertices);
+  EXPECT_NEAR(grown.mean, 0.25, 1e-12);
+  EXPECT_LT(grown.tangential_mean, 1e-3);
+  EXPECT_EQ(RoundTripDrift(sphere, sphere.vertices).max, 0);
+}
+
+TEST(CombineDriftTest, CountsEveryFrameAlike) {
+  const DriftStats total = Combine({{1, 3, 5, 0.5}, {3, 4, 4, 1.5}});
+  EXPECT_EQ(total.mean, 2);
+  EXPECT_NEAR(total.rms, std::sqrt(12.5), 1e-12);
+  EXPECT_EQ(total.max, 5);
+  EXPECT_EQ(total.tangential_mean, 1);
+  EXPECT_EQ(Combine({}).rms, 0);
 }
 
 }  // namespace
