@@ -19,6 +19,11 @@ constexpr int kSteps = 40;
 constexpr double kCap = 0.1;
 constexpr double kFirstScale = 0.3, kLastScale = 0.02, kScaleFactor = 0.85;  // of the kernel
 constexpr double kSmallStep = 1e-6;
+// A rigid motion has less to find, and what is left to do the fit does better.
+constexpr int kRigidSteps = 20;
+constexpr double kRigidScaleFactor = 0.7;
+constexpr double kSmallRigidStep = 1e-4;
+constexpr int64_t kRigidTargetPoints = 10'000;
 constexpr double kLeastGain = 0.5;
 constexpr double kDamping = 1e-6;
 constexpr uint64_t kSeed = 1;
@@ -92,9 +97,23 @@ class Aligner {
   Similarity Iterate(Similarity T) const {
     double scale = kFirstScale;
     for (int step = 0; step < kSteps; ++step) {
-      const double moved = Step(scale, &T);
+      const double moved = Step(scale, Freedom::kSimilar, &T);
       if (scale == kLastScale && moved < kSmallStep) break;
       scale = std::max(kLastScale, scale * kScaleFactor);
+    }
+    return T;
+  }
+
+  Similarity IterateRigidly() const {
+    Similarity T, by_centroid = ByCentroid();
+    by_centroid.translation += (by_centroid.scale - 1) * SpreadOf(surface_.points).centroid;
+    by_centroid.scale = 1;
+    if (Misfit(by_centroid) < Misfit(T)) T = by_centroid;
+    double scale = kFirstScale;
+    for (int step = 0; step < kRigidSteps; ++step) {
+      const double moved = Step(scale, Freedom::kRigid, &T);
+      if (scale == kLastScale && moved < kSmallRigidStep) break;
+      scale = std::max(kLastScale, scale * kRigidScaleFactor);
     }
     return T;
   }
@@ -152,9 +171,11 @@ class Aligner {
     return pair;
   }
 
-  // One Gauss-Newton step: x moves by w x (x - c) + t + s (x - c), c the centroid of the points.
-  // Returns how far, in root mean square.
-  double Step(double scale, Similarity* T) const {
+  enum class Freedom { kRigid, kSimilar };
+
+  // One Gauss-Newton step: x moves by w x (x - c) + t + s (x - c), c the centroid of the points,
+  // s = 0 where it is rigid. Returns how far, in root mean square.
+  double Step(double scale, Freedom freedom, Similarity* T) const {
     const Eigen::Vector3d& c = spread_.centroid;
     Eigen::Matrix<double, 7, 7> A = decltype(A)::Zero();
     Vector7d b = Vector7d::Zero();
@@ -174,6 +195,11 @@ class Aligner {
         A += weight * J * J.transpose();
         b -= weight * pair.normal.dot(pair.offset) * J;
       }
+    }
+    if (freedom == Freedom::kRigid) {
+      A.row(6).setZero();
+      A.col(6).setZero();
+      b[6] = 0;
     }
     A.diagonal().array() += kDamping * A.trace() + 1e-300;
     const Vector7d x = A.ldlt().solve(b);
@@ -199,6 +225,21 @@ class Aligner {
 };
 
 }  // namespace
+
+Similarity AlignRigidly(const TriangleMesh& surface, const PointCloud& target) {
+  OrientedPoints samples = Sample(surface);
+  if (samples.points.cols() == 0) return {};
+  PointCloud thinned;
+  const int64_t count = std::min(kRigidTargetPoints, target.size());
+  thinned.points.resize(3, count);
+  thinned.normals.resize(3, count);
+  for (int64_t k = 0; k < count; ++k) {
+    thinned.points.col(k) = target.points.col(k * target.size() / count);
+    thinned.normals.col(k) = target.normals.col(k * target.size() / count);
+  }
+  const Similarity T = Aligner(std::move(samples), thinned).IterateRigidly();
+  return T.translation.allFinite() && T.rotation.allFinite() ? T : Similarity();
+}
 
 Similarity AlignToTarget(const TriangleMesh& surface, const PointCloud& target) {
   OrientedPoints samples = Sample(surface);

@@ -36,6 +36,12 @@ struct Similarity {
 // coordinates. Without triangles of positive area the answer is the identity.
 Similarity AlignToTarget(const TriangleMesh& surface, const PointCloud& target);
 
+// As AlignToTarget, for a surface of the target's own size and near it in shape: turns and shifts
+// alone, from where the surface is or, where that is nearer, from where its centroid is the
+// target's. Always what it came to: whether it helps is the caller's to say. Looks at 10,000 points
+// of the target at most.
+Similarity AlignRigidly(const TriangleMesh& surface, const PointCloud& target);
+
 }  // namespace cagefit
 
 #endif  // CAGEFIT_CORE_FIT_ALIGNMENT_H_

@@ -92,23 +92,36 @@ struct Fitter::State {
     objective.SetRest(rest);
   }
 
-  // Writes the start with the lowest E_dist, in unit coordinates, and returns its index. A start
-  // that is far off is first moved as a whole.
-  int Begin(const std::vector<Points3d>& starts, Points3d* V) {
+  // Writes the start with the lowest energy, in unit coordinates, and returns its index.
+  int Begin(const std::vector<Points3d>& starts, StartKind kind, Points3d* V) {
     int best = 0;
     double lowest = 0;
+    SetRest(normalization.ToUnit(starts[0]));
     objective.SetTarget(&frame.index(), frame.objective_target().far_radius);
     for (size_t k = 0; k < starts.size(); ++k) {
       Points3d start = normalization.ToUnit(starts[k]);
-      const double energy = objective.AssignSamples(start, nullptr).distance;
-      if (k > 0 && !(energy < lowest)) continue;
-      lowest = energy;
+      Energies energies = objective.AssignSamples(start, nullptr);
+      double off = FarOff();
+      if (kind == StartKind::kEarlierFit) {
+        Points3d moved = AlignRigidly(SurfaceOf(start), frame.cloud()) * start;
+        const Energies there = objective.AssignSamples(moved, nullptr);
+        if (there.distance < energies.distance) {
+          energies = there;
+          off = FarOff();
+          start.swap(moved);
+        }
+      }
+      if (k > 0 && !(energies.total() < lowest)) continue;
+      lowest = energies.total();
       best = static_cast<int>(k);
-      far_off = FarOff();
+      far_off = off;
       V->swap(start);
     }
     const bool is_automatic = options.distance.first_radius == 0;
-    if (is_automatic && far_off > kMostFirstRadius * frame.index().radius()) Align(V);
+    if (is_automatic && kind == StartKind::kTemplate &&
+        far_off > kMostFirstRadius * frame.index().radius()) {
+      Align(V);
+    }
     objective.SetTarget(frame.objective_target());
     return best;
   }
@@ -124,14 +137,18 @@ struct Fitter::State {
     return *rank;
   }
 
-  void Align(Points3d* V) {
+  TriangleMesh SurfaceOf(const Points3d& V) {
     if (alignment_mesh.triangles.cols() == 0) {
       alignment_mesh = BuildLimitMesh(mesh.topology(), mesh.tags(), 1);
     }
     TriangleMesh surface;
-    ApplyStencils(alignment_mesh.position, *V, &surface.vertices);
+    ApplyStencils(alignment_mesh.position, V, &surface.vertices);
     surface.triangles = alignment_mesh.triangles;
-    const Similarity similarity = AlignToTarget(surface, frame.cloud());
+    return surface;
+  }
+
+  void Align(Points3d* V) {
+    const Similarity similarity = AlignToTarget(SurfaceOf(*V), frame.cloud());
     if (similarity.is_identity()) return;
     *V = similarity * *V;
     objective.AssignSamples(*V, nullptr);
@@ -186,7 +203,7 @@ struct Fitter::State {
   FrameTarget frame;
   bool has_frame = false;    // `frame` is that of the last fit
   double far_off = 0;        // of the chosen start, unit coordinates
-  LimitMesh alignment_mesh;  // empty until a start is far off
+  LimitMesh alignment_mesh;  // empty until a start is moved
 
   // Of Evaluate, and none of Fit's: empty until they are needed.
   std::unique_ptr<Objective> loss;
@@ -209,7 +226,8 @@ Fitter& Fitter::operator=(Fitter&&) noexcept = default;
 absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
                                        const std::vector<Points3d>& starts,
                                        const CancelFn& cancelled, const ClockFn& clock,
-                                       Points3d* fitted, const ImageSource& images) {
+                                       Points3d* fitted, StartKind kind,
+                                       const ImageSource& images) {
   State& s = *state_;
   RETURN_IF_ERROR(CheckStarts(starts, s.rest.cols()));
   RETURN_IF_ERROR(CheckTarget(target));
@@ -223,7 +241,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   const double t_indexed = now();
 
   Points3d V;
-  const int chosen = s.Begin(starts, &V);
+  const int chosen = s.Begin(starts, kind, &V);
   s.SetRest(V, &s.objective);
   ASSIGN_OR_RETURN(const Minimization result, s.Minimize(cancelled, &V));
   if (!V.allFinite() || !std::isfinite(result.final.total())) {
@@ -253,7 +271,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
 
 absl::StatusOr<Energies> Fitter::Evaluate(const PointCloud* target, const Points3d& start,
                                           const Points3d& vertices, const CancelFn& cancelled,
-                                          Points3d* gradient) {
+                                          Points3d* gradient, const ImageSource& images) {
   State& s = *state_;
   const int64_t n = s.rest.cols();
   RETURN_IF_ERROR(CheckVertices("start", start, n));
@@ -268,7 +286,7 @@ absl::StatusOr<Energies> Fitter::Evaluate(const PointCloud* target, const Points
   if (target != nullptr) {
     RETURN_IF_ERROR(CheckTarget(*target));
     if (s.loss_frame == nullptr) s.loss_frame = std::make_unique<FrameTarget>();
-    RETURN_IF_ERROR(s.loss_frame->Build(*target, s.normalization, s.options, n));
+    RETURN_IF_ERROR(s.loss_frame->Build(*target, s.normalization, s.options, n, images));
     frame = s.loss_frame.get();
   } else if (!s.has_frame) {
     return absl::FailedPreconditionError("target: none is given and nothing was fitted to one");

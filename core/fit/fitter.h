@@ -35,6 +35,10 @@ struct FitSummary {
          solve_ms = 0;  // images are made in index_ms; by the caller's clock; 0 without one
 };
 
+// What the starts of a fit are. A template may lie elsewhere and have another size; an earlier fit
+// has the target's size and roughly its shape, and may have to be turned and shifted.
+enum class StartKind { kTemplate, kEarlierFit };
+
 // Reads milliseconds; core has no clock of its own. May be empty.
 using ClockFn = std::function<double()>;
 
@@ -55,14 +59,16 @@ class Fitter {
   Fitter& operator=(Fitter&&) noexcept;
 
   // Fits to `target` (validated, with normals; user units) and writes the fitted control vertices
-  // (3 x n, user units) to `*fitted`. Of `starts` (each 3 x n, user units; at least one), the one
-  // nearest to the target by E_dist is where it begins, the first of equals, moved as a whole where
-  // that brings it much nearer (alignment.h). `images`: what the image loss takes beside the
-  // points. A pure function of Create's arguments, `starts`, `target` and `images`. CANCELLED
-  // within one solver step; INTERNAL when the fit diverged (not finite). On error *fitted is
-  // unchanged.
+  // (3 x n, user units) to `*fitted`. Begins at that of `starts` (each 3 x n, user units; at least
+  // one) where E_dist + alpha E_reg is lowest, the first of equals. Each earlier fit is first moved
+  // rigidly onto the target where that lowers E_dist; the template that was chosen, as a whole and
+  // with its size, where that brings it much nearer (alignment.h). `images`: what the image loss
+  // takes beside the points. A pure function of Create's arguments, `starts`, `target`, `kind` and
+  // `images`. CANCELLED within one solver step; INTERNAL when the
+  // fit diverged (not finite). On error *fitted is unchanged.
   absl::StatusOr<FitSummary> Fit(const PointCloud& target, const std::vector<Points3d>& starts,
                                  const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted,
+                                 StartKind kind = StartKind::kTemplate,
                                  const ImageSource& images = {});
 
   // The energies of control vertices (3 x n, user units), weighted as in a fit to `target`
@@ -71,12 +77,12 @@ class Fitter {
   // and branch of every sample and the feet of covered points are chosen at `vertices`: the energy
   // is smooth but where these choices change, and the gradient exact where it is, but for the
   // weights of Field::kRimls, which it holds. A pure function of Create's arguments, `target`,
-  // `start` and `vertices`; no later Fit depends on it. INVALID_ARGUMENT for vertices that are not
-  // n finite ones, or a million times the first target's size away; FAILED_PRECONDITION without a
-  // target; CANCELLED.
+  // `start`, `vertices` and `images`; no later Fit depends on it. INVALID_ARGUMENT for vertices
+  // that are not n finite ones, or a million times the first target's size away;
+  // FAILED_PRECONDITION without a target; CANCELLED.
   absl::StatusOr<Energies> Evaluate(const PointCloud* target, const Points3d& start,
                                     const Points3d& vertices, const CancelFn& cancelled,
-                                    Points3d* gradient);
+                                    Points3d* gradient, const ImageSource& images = {});
 
  private:
   struct State;

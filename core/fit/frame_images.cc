@@ -32,8 +32,7 @@ absl::Status FrameImages::Build(const ImageSource& source, const PointCloud& clo
   targets_.clear();
   if (options.views == Views::kNone) return absl::OkStatus();
   if (options.views == Views::kCameras) {
-    if (source.masks == nullptr) return absl::OkStatus();
-    return BuildFromMasks(*source.masks, normalization, options);
+    return BuildFromMasks(source, normalization, options);
   }
   const std::vector<Camera> cameras = VirtualCameras(cloud, options);
   targets_.resize(cameras.size());
@@ -45,12 +44,15 @@ absl::Status FrameImages::Build(const ImageSource& source, const PointCloud& clo
   return absl::OkStatus();
 }
 
-absl::Status FrameImages::BuildFromMasks(const std::vector<CameraMask>& masks,
+absl::Status FrameImages::BuildFromMasks(const ImageSource& source,
                                          const Normalization& normalization,
                                          const ImageOptions& options) {
-  for (const CameraMask& mask : masks) {
+  if (source.cameras == nullptr || source.masks == nullptr) return absl::OkStatus();
+  for (size_t k = 0; k < source.masks->size(); ++k) {
+    const Image& mask = (*source.masks)[k];
+    if (mask.empty()) continue;
     ASSIGN_OR_RETURN(ImageTarget target,
-                     MaskTarget(mask.mask, mask.camera, options.size, options.sigma));
+                     MaskTarget(mask, (*source.cameras)[k], options.size, options.sigma));
     target.camera = InCoordinates(target.camera, normalization.center, normalization.scale);
     targets_.push_back(std::move(target));
   }

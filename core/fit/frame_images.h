@@ -14,17 +14,12 @@
 
 namespace cagefit {
 
-// What a real camera saw of a frame.
-struct CameraMask {
-  Camera camera;  // user units
-  Image mask;     // of the camera's size; 1 inside, 0 outside
-};
-
 // What a frame holds for its images beside its points. User units.
 struct ImageSource {
-  const TriangleMesh* mesh = nullptr;              // its surface; null: made from its points
-  const std::vector<CameraMask>* masks = nullptr;  // null: none
-  uint64_t frame = 0;                              // goes into the seed of the views
+  const TriangleMesh* mesh = nullptr;            // its surface; null: seen by its points
+  const std::vector<Camera>* cameras = nullptr;  // real ones; null: none
+  const std::vector<Image>* masks = nullptr;     // by camera, 1 inside; empty where one is missing
+  uint64_t frame = 0;                            // goes into the seed of the views
 };
 
 // Not thread-safe. Buffers keep their capacity.
@@ -40,8 +35,8 @@ class FrameImages {
   const std::vector<ImageTarget>& targets() const { return targets_; }
 
  private:
-  absl::Status BuildFromMasks(const std::vector<CameraMask>& masks,
-                              const Normalization& normalization, const ImageOptions& options);
+  absl::Status BuildFromMasks(const ImageSource& source, const Normalization& normalization,
+                              const ImageOptions& options);
   void BuildFromMesh(const TriangleMesh& mesh, const Normalization& normalization,
                      const std::vector<Camera>& cameras, const ImageOptions& options);
   void BuildFromCloud(const PointCloud& cloud, double spacing, const std::vector<Camera>& cameras,

@@ -8,14 +8,14 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
+#include "core/fit/extrapolation.h"
 #include "core/fit/normalization.h"
 #include "server/session/error_detail.h"
 
 namespace cagefit::server {
 namespace {
 
-// What moved goes on moving, a little slower: starting there takes half the solver's work. Where it
-// does not, the fitter takes the other start.
+// What bent goes on bending, a little slower. Where it does not, the fitter takes the other start.
 constexpr double kMomentum = 0.8;
 
 // These answer the frame for good; all other errors leave it unanswered.
@@ -151,7 +151,10 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
 
   Points3d fitted;
   frame_in_memory_ = false;
-  auto summary = model.fitter().Fit(*frame.cloud, Starts(model), cancelled, clock_, &fitted);
+  const bool is_first = !model_.has_value() || (lost_ && last_good_.cols() == 0);
+  auto summary =
+      model.fitter().Fit(*frame.cloud, Starts(model), cancelled, clock_, &fitted,
+                         is_first ? StartKind::kTemplate : StartKind::kEarlierFit, ImagesOf(frame));
   if (absl::IsInternal(summary.status())) return Diverged(summary.status());
   RETURN_IF_ERROR(summary.status());
   answer->fit = *summary;
@@ -174,11 +177,20 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   return absl::OkStatus();
 }
 
+ImageSource Session::ImagesOf(const Frame& frame) const {
+  ImageSource source;
+  if (frame.mesh.has_value()) source.mesh = &*frame.mesh;
+  source.cameras = &ledger_->config().cameras;
+  source.masks = &frame.masks;
+  source.frame = frame.sequence_number;
+  return source;
+}
+
 std::vector<Points3d> Session::Starts(const SurfaceModel& model) const {
   if (!model_.has_value()) return {model.template_mesh().vertices()};
-  if (lost_) return {last_good_};
+  if (lost_) return {last_good_.cols() > 0 ? last_good_ : model.template_mesh().vertices()};
   if (before_.cols() == 0) return {vertices_};
-  return {vertices_, vertices_ + kMomentum * (vertices_ - before_)};
+  return {vertices_, ExtrapolateMotion(before_, vertices_, kMomentum)};
 }
 
 absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const CancelFn& cancelled,
@@ -262,10 +274,7 @@ absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& 
   RETURN_IF_ERROR(ledger_->Append(epoch, answer, model.template_mesh().WithVertices(step.vertices),
                                   std::move(made_template)));
 
-  if (step.first_model.has_value()) {
-    model_ = std::move(step.first_model);
-    last_good_ = model_->template_mesh().vertices();
-  }
+  if (step.first_model.has_value()) model_ = std::move(step.first_model);
   // A LOST surface says nothing about the motion, neither as the last frame nor as the one before.
   const bool was_lost = lost_;
   before_ = std::move(vertices_);
@@ -289,32 +298,34 @@ absl::StatusOr<Loss> Session::EvaluateLoss(const Points3d& vertices, const Frame
   if (frame != nullptr) RETURN_IF_ERROR(frame->cloud.status());
   if (!model_.has_value()) {
     if (frame == nullptr) return NoFrame("NO_FRAME_YET", "the session has fitted none yet");
-    return FirstLoss(vertices, *frame->cloud, cancelled);
+    return FirstLoss(vertices, *frame, cancelled);
   }
   if (frame == nullptr && !frame_in_memory_) {
     return NoFrame("FRAME_NOT_IN_MEMORY", "the server has the one that was fitted last no more");
   }
   RETURN_IF_ERROR(CheckLossVertices(vertices, model_->template_mesh()));
   Loss loss;
-  ASSIGN_OR_RETURN(loss.energies,
-                   NamingTheField(model_->fitter().Evaluate(
-                       frame != nullptr ? &*frame->cloud : nullptr, Starts(*model_).front(),
-                       vertices, cancelled, &loss.gradient)));
+  ASSIGN_OR_RETURN(loss.energies, NamingTheField(model_->fitter().Evaluate(
+                                      frame != nullptr ? &*frame->cloud : nullptr,
+                                      Starts(*model_).front(), vertices, cancelled, &loss.gradient,
+                                      frame != nullptr ? ImagesOf(*frame) : ImageSource())));
   return loss;
 } catch (const std::bad_alloc&) {
   return NoMemory("evaluate this loss");
 }
 
-absl::StatusOr<Loss> Session::FirstLoss(const Points3d& vertices, const PointCloud& target,
+absl::StatusOr<Loss> Session::FirstLoss(const Points3d& vertices, const Frame& frame,
                                         const CancelFn& cancelled) const {
+  const PointCloud& target = *frame.cloud;
   ASSIGN_OR_RETURN(const ControlMesh mesh, ledger_->FinalTemplate());
   RETURN_IF_ERROR(CheckLossVertices(vertices, mesh));
   ASSIGN_OR_RETURN(const Normalization normalization,
                    Normalization::FromBox(BoundingBox(target.points)));
   ASSIGN_OR_RETURN(Fitter fitter, Fitter::Create(mesh, normalization, ledger_->config().fit));
   Loss loss;
-  ASSIGN_OR_RETURN(loss.energies, NamingTheField(fitter.Evaluate(&target, mesh.vertices(), vertices,
-                                                                 cancelled, &loss.gradient)));
+  ASSIGN_OR_RETURN(loss.energies,
+                   NamingTheField(fitter.Evaluate(&target, mesh.vertices(), vertices, cancelled,
+                                                  &loss.gradient, ImagesOf(frame))));
   return loss;
 }
 

@@ -67,6 +67,8 @@ class Session {
 
   absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
   absl::Status Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer, Step* step);
+  // What the frame holds for the image loss.
+  ImageSource ImagesOf(const Frame& frame) const;
   // Where the next fit may begin.
   std::vector<Points3d> Starts(const SurfaceModel& model) const;
   absl::StatusOr<SurfaceModel> MakeModel(const Frame& frame, const CancelFn& cancelled,
@@ -80,7 +82,7 @@ class Session {
   absl::Status Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step);
   double MedianRms() const;
   // What EvaluateLoss asks before a frame is fitted.
-  absl::StatusOr<Loss> FirstLoss(const Points3d& vertices, const PointCloud& target,
+  absl::StatusOr<Loss> FirstLoss(const Points3d& vertices, const Frame& frame,
                                  const CancelFn& cancelled) const;
 
   std::shared_ptr<SessionLedger> ledger_;
@@ -92,7 +94,7 @@ class Session {
   Points3d vertices_;                  // 3 x n after the last fitted frame, as the client has them
   Points3d before_;                    // after the fitted frame before that, or 3 x 0
   GridPoints q_;                       // vertices_ on the grid
-  Points3d last_good_;                 // after the last frame that was not LOST
+  Points3d last_good_;                 // after the last frame that was not LOST, or 3 x 0
   bool lost_ = false;                  // the last fitted frame was LOST
   std::vector<double> ok_rms_;         // of the frames judged OK, sorted
 

@@ -73,6 +73,10 @@ absl::Status SessionConfig::Validate() const {
                         "expected 1 to 100,000");
   }
   RETURN_IF_ERROR(CheckCameras(cameras));
+  if (fit.image.views == Views::kCameras && cameras.empty()) {
+    return InvalidField("options.fit.image.views", "CAMERAS",
+                        "the session has no cameras; expected options.cameras");
+  }
   if (!control_mesh.has_value()) RETURN_IF_ERROR(CheckRequest(make_template));
   if (tolerance.has_value()) RETURN_IF_ERROR(CheckTolerance(*tolerance));
   const absl::Status fit_status = fit.Validate();

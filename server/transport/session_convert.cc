@@ -134,6 +134,8 @@ absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
   config.name = request.name();
   RETURN_IF_ERROR(ReadOptions(request.options(), &config));
   ASSIGN_OR_RETURN(config.cameras, ReadCameras(request.options()));
+  const bool says_views = request.options().fit().image().views() != v1::VIEWS_UNSPECIFIED;
+  if (!config.cameras.empty() && !says_views) config.fit.image.views = Views::kCameras;
   switch (request.template_case()) {
     case v1::CreateSessionRequest::kControlMesh: {
       ASSIGN_OR_RETURN(config.control_mesh, ReadControlMesh(request.control_mesh(), limits));

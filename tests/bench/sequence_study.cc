@@ -9,6 +9,7 @@
 
 #include "client/io/geometry_file.h"
 #include "core/cloud/surface_cloud.h"
+#include "core/fit/extrapolation.h"
 #include "core/metrics/drift.h"
 #include "core/metrics/surface_metrics.h"
 #include "core/subdiv/limit.h"
@@ -83,7 +84,7 @@ Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& opt
     images.frame = k;
     Points3d fitted;
     const double begin = Seconds();
-    const auto summary = fitter->Fit(cloud, starts, nullptr, nullptr, &fitted, images);
+    const auto summary = fitter->Fit(cloud, starts, nullptr, nullptr, &fitted, k == 0 ? StartKind::kTemplate : StartKind::kEarlierFit, images);
     if (!summary.ok()) { std::cerr << summary.status() << "\n"; std::exit(1); }
     row.seconds += Seconds() - begin;
     row.iterations += summary->iterations;

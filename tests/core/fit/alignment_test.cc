@@ -75,12 +75,32 @@ TEST(AlignmentTest, ANearSurfaceStays) {
   EXPECT_LT((T * bent.vertices - bent.vertices).colwise().norm().maxCoeff(), 0.1);
 }
 
+double RigidError(const TriangleMesh& mesh, const PointCloud& target) {
+  const Similarity T = AlignRigidly(mesh, target);
+  EXPECT_EQ(T.scale, 1);
+  return (T * mesh.vertices - Ellipsoid().vertices).colwise().norm().maxCoeff();
+}
+
+TEST(AlignmentTest, ARigidMotionIsFoundAndTheSizeKept) {
+  const PointCloud target = testing::EllipsoidCloud(8000, kAxes);
+  EXPECT_LT(RigidError(Moved(Ellipsoid(), Motion(1, 20, {0, 0, 0})), target), 0.01);
+  EXPECT_LT(RigidError(Moved(Ellipsoid(), Motion(1, 20, {0.3, -0.2, 0.2})), target), 0.01);
+}
+
+TEST(AlignmentTest, HalfOfTheTargetDoesNotDrawTheSurfaceToItsCentroid) {
+  PointCloud target = testing::EllipsoidCloud(8000, kAxes);
+  target.points.conservativeResize(3, 4000);  // in order of z
+  target.normals.conservativeResize(3, 4000);
+  EXPECT_LT(RigidError(Moved(Ellipsoid(), Motion(1, 5, {0.03, 0, 0.02})), target), 0.05);
+}
+
 TEST(AlignmentTest, ASurfaceWithoutAreaStays) {
   TriangleMesh flat;
   flat.vertices = Points3d::Zero(3, 3);
   flat.triangles.resize(3, 1);
   flat.triangles << 0, 1, 2;
   EXPECT_TRUE(AlignToTarget(flat, testing::EllipsoidCloud(1000, kAxes)).is_identity());
+  EXPECT_TRUE(AlignRigidly(flat, testing::EllipsoidCloud(1000, kAxes)).is_identity());
 }
 
 }  // namespace
