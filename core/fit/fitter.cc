@@ -96,7 +96,7 @@ struct Fitter::State {
   int Begin(const std::vector<Points3d>& starts, StartKind kind, Points3d* V) {
     int best = 0;
     double lowest = 0;
-    SetRest(normalization.ToUnit(starts[0]));
+    SetRest(normalization.ToUnit(starts[0]), &objective);
     objective.SetTarget(&frame.index(), frame.objective_target().far_radius);
     for (size_t k = 0; k < starts.size(); ++k) {
       Points3d start = normalization.ToUnit(starts[k]);

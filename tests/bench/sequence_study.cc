@@ -78,7 +78,7 @@ Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& opt
       diagonal = BoundingBox(cloud.points).diagonal();
     }
     std::vector<Points3d> starts = {V};
-    if (before.cols() > 0) starts.push_back(V + 0.8 * (V - before));
+    if (before.cols() > 0) starts.push_back(ExtrapolateMotion(before, V, 0.8));
     ImageSource images;
     if (use_mesh) images.mesh = &mesh;
     images.frame = k;
