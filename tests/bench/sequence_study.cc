@@ -21,8 +21,8 @@ namespace {
 
 struct Sequence {
   std::string name;
-  Triangles triangles;            // of the true motion
-  std::vector<Points3d> truth;    // per frame
+  Triangles triangles;          // of the true motion
+  std::vector<Points3d> truth;  // per frame
   std::vector<client::Geometry> targets;
 };
 
@@ -52,11 +52,12 @@ double Env(const char* name, double other) {
 }
 
 struct Row {
-  double hausdorff = 0, rms = 0, worst_rms = 0, tangential = 0, mean = 0, early = 0, seconds = 0, iterations=0;
+  double hausdorff = 0, rms = 0, worst_rms = 0, tangential = 0, mean = 0, early = 0, seconds = 0,
+         iterations = 0;
 };
 
-Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& options,
-        bool use_mesh, int stride) {
+Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& options, bool use_mesh,
+        int stride) {
   Row row;
   std::optional<Fitter> fitter;
   const LimitMesh limit = BuildLimitMesh(cage.topology(), cage.tags(), kMetricLevels);
@@ -70,8 +71,9 @@ Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& opt
     // tshirt holds clouds; its true meshes are the mesh targets.
     const bool has_mesh = geometry.mesh.triangles.cols() > 0;
     const TriangleMesh& mesh = has_mesh ? geometry.mesh : truth;
-    const PointCloud cloud = has_mesh ? SurfaceCloud(geometry.mesh, geometry.normals)
-                                      : PointCloud{geometry.mesh.vertices.cast<float>(), geometry.normals};
+    const PointCloud cloud =
+        has_mesh ? SurfaceCloud(geometry.mesh, geometry.normals)
+                 : PointCloud{geometry.mesh.vertices.cast<float>(), geometry.normals};
     if (!fitter) {
       const Normalization normalization = *Normalization::FromBox(BoundingBox(cloud.points));
       fitter.emplace(*Fitter::Create(cage, normalization, options));
@@ -84,18 +86,27 @@ Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& opt
     images.frame = k;
     Points3d fitted;
     const double begin = Seconds();
-    const auto summary = fitter->Fit(cloud, starts, nullptr, nullptr, &fitted, k == 0 ? StartKind::kTemplate : StartKind::kEarlierFit, images);
-    if (!summary.ok()) { std::cerr << summary.status() << "\n"; std::exit(1); }
+    const auto summary =
+        fitter->Fit(cloud, starts, nullptr, nullptr, &fitted,
+                    k == 0 ? StartKind::kTemplate : StartKind::kEarlierFit, images);
+    if (!summary.ok()) {
+      std::cerr << summary.status() << "\n";
+      std::exit(1);
+    }
     row.seconds += Seconds() - begin;
     row.iterations += summary->iterations;
-    if (std::getenv("VERBOSE")) std::printf("  frame %zu: it %d dist %.3g arap %.3g cov %.3g img %.3g\n", k, summary->iterations, summary->final.distance, summary->final.arap, summary->final.coverage, summary->final.image);
+    if (std::getenv("VERBOSE"))
+      std::printf("  frame %zu: it %d dist %.3g arap %.3g cov %.3g img %.3g\n", k,
+                  summary->iterations, summary->final.distance, summary->final.arap,
+                  summary->final.coverage, summary->final.image);
     before = k == 0 ? Points3d(3, 0) : V;
     V = fitted;
     TriangleMesh surface;
     ApplyStencils(limit.position, V, &surface.vertices);
     surface.triangles = limit.triangles;
     const SurfaceMetrics metrics = CompareToMesh(surface, truth);
-    row.hausdorff += 100 * std::max(metrics.target_to_fit.max, metrics.fit_to_target.max) / diagonal;
+    row.hausdorff +=
+        100 * std::max(metrics.target_to_fit.max, metrics.fit_to_target.max) / diagonal;
     row.rms += 100 * metrics.target_to_fit.rms / diagonal;
     row.worst_rms = std::max(row.worst_rms, 100 * metrics.target_to_fit.rms / diagonal);
     if (!meter) meter.emplace(surface, sequence.truth[k]);
@@ -105,7 +116,9 @@ Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& opt
     if (count < 10) row.early += 100 * drift.tangential_mean / diagonal / 10;
     ++count;
   }
-  for (double* v : {&row.hausdorff, &row.rms, &row.mean, &row.tangential, &row.seconds, &row.iterations}) *v /= count;
+  for (double* v :
+       {&row.hausdorff, &row.rms, &row.mean, &row.tangential, &row.seconds, &row.iterations})
+    *v /= count;
   return row;
 }
 
@@ -116,7 +129,9 @@ void StudySequences() {
     if (const char* only = std::getenv("ONLY"); only != nullptr && name != only) continue;
     const Sequence sequence = Load(name, static_cast<int>(Env("FRAMES", 30)));
     const TriangleMesh first{sequence.truth[0], sequence.triangles};
-    const ControlMesh cage = std::getenv("TRUE_TOPOLOGY") ? *ControlMesh::Create(first.vertices, first.triangles, {}) : CageOf(first, 2046);
+    const ControlMesh cage = std::getenv("TRUE_TOPOLOGY")
+                                 ? *ControlMesh::Create(first.vertices, first.triangles, {})
+                                 : CageOf(first, 2046);
     for (const std::string mode : {"distance", "images", "both"}) {
       if (const char* only = std::getenv("MODE"); only != nullptr && mode != only) continue;
       FitOptions options;
@@ -136,9 +151,13 @@ void StudySequences() {
         options.distance.weight = 0;
         options.coverage.weight = 0;
       }
-      const Row row = Run(sequence, cage, options, Env("MESH", 1) != 0, static_cast<int>(Env("STRIDE", 1)));
-      std::printf("%-8s %-9s Hausdorff %.3f RMS %.4f worst %.4f drift %.3f tangential %.3f first ten %.3f; %.3f s/frame %.1f it\n",
-                  name.c_str(), mode.c_str(), row.hausdorff, row.rms, row.worst_rms, row.mean, row.tangential, row.early, row.seconds,row.iterations);
+      const Row row =
+          Run(sequence, cage, options, Env("MESH", 1) != 0, static_cast<int>(Env("STRIDE", 1)));
+      std::printf(
+          "%-8s %-9s Hausdorff %.3f RMS %.4f worst %.4f drift %.3f tangential %.3f first ten %.3f; "
+          "%.3f s/frame %.1f it\n",
+          name.c_str(), mode.c_str(), row.hausdorff, row.rms, row.worst_rms, row.mean,
+          row.tangential, row.early, row.seconds, row.iterations);
       std::fflush(stdout);
     }
   }
