@@ -97,20 +97,25 @@ struct Fitter::State {
     int best = 0;
     double lowest = 0;
     SetRest(normalization.ToUnit(starts[0]), &objective);
-    objective.SetTarget(&frame.index(), frame.objective_target().far_radius);
+    ObjectiveTarget geometry = frame.objective_target();
+    geometry.images = nullptr;
+    objective.SetTarget(geometry);
+    objective.SetCoarseness(1, 1, /*is_coarse=*/true);  // some of the covered points tell enough
     for (size_t k = 0; k < starts.size(); ++k) {
       Points3d start = normalization.ToUnit(starts[k]);
       Energies energies = objective.AssignSamples(start, nullptr);
       double off = FarOff();
       if (kind == StartKind::kEarlierFit) {
         Points3d moved = AlignRigidly(SurfaceOf(start), frame.cloud()) * start;
-        const Energies there = objective.AssignSamples(moved, nullptr);
-        if (there.distance < energies.distance) {
-          energies = there;
-          off = FarOff();
+        if (objective.AssignSamples(moved, nullptr).distance < energies.distance) {
           start.swap(moved);
+          off = FarOff();
+        } else {
+          objective.AssignSamples(start, nullptr);
         }
       }
+      // With coverage: a surface that was bent out of shape may lie on the target all the same.
+      if (starts.size() > 1) energies = objective.AssignFeet(start, nullptr);
       if (k > 0 && !(energies.total() < lowest)) continue;
       lowest = energies.total();
       best = static_cast<int>(k);
@@ -264,6 +269,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
   summary.outliers = s.frame.outliers();
   summary.grown_samples = static_cast<int>(s.objective.distance().grown_samples());
   summary.far_samples = static_cast<int>(s.objective.distance().far_samples());
+  summary.samples = static_cast<int>(s.objective.stencils().rows());
   summary.index_ms = t_indexed - t_start;
   summary.solve_ms = now() - t_indexed;
   return summary;

@@ -29,6 +29,7 @@ struct FitSummary {
   int grown_samples = 0;  // samples whose radius was doubled at least once, last iteration
   int far_samples = 0;    // samples beyond the far radius, last iteration
   int images = 0;         // views of the image loss
+  int samples = 0;        // of the surface
   double noise = 0;       // standard deviation of the points off their surface, user units
   int64_t outliers = 0;   // points that were left out
   double index_ms = 0,
@@ -60,12 +61,12 @@ class Fitter {
 
   // Fits to `target` (validated, with normals; user units) and writes the fitted control vertices
   // (3 x n, user units) to `*fitted`. Begins at that of `starts` (each 3 x n, user units; at least
-  // one) where E_dist + alpha E_reg is lowest, the first of equals. Each earlier fit is first moved
-  // rigidly onto the target where that lowers E_dist; the template that was chosen, as a whole and
-  // with its size, where that brings it much nearer (alignment.h). `images`: what the image loss
-  // takes beside the points. A pure function of Create's arguments, `starts`, `target`, `kind` and
-  // `images`. CANCELLED within one solver step; INTERNAL when the
-  // fit diverged (not finite). On error *fitted is unchanged.
+  // one) where the energy without images is lowest, the first of equals. Each earlier fit is first
+  // moved rigidly onto the target where that lowers E_dist; the template that was chosen, as a
+  // whole and with its size, where that brings it much nearer (alignment.h). `images`: what the
+  // image loss takes beside the points. A pure function of Create's arguments, `starts`, `target`,
+  // `kind` and `images`. CANCELLED within one solver step; INTERNAL when the fit diverged (not
+  // finite). On error *fitted is unchanged.
   absl::StatusOr<FitSummary> Fit(const PointCloud& target, const std::vector<Points3d>& starts,
                                  const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted,
                                  StartKind kind = StartKind::kTemplate,

@@ -17,6 +17,7 @@ constexpr double kSuspectLeastRms =
     1e-3;                             // of the diagonal: below it, no multiple of a median counts
 constexpr double kSuspectRms = 1e-2;  // of the diagonal
 constexpr double kSuspectFlipped = 0.01;
+constexpr double kSuspectBare = 0.05;  // more than usual
 // Beyond these the next frame must not start from this one.
 constexpr double kLostUncovered = 0.25;
 constexpr double kLostRms = 5e-2;  // of the diagonal
@@ -59,8 +60,10 @@ Verdict Judge(const VerdictInput& input) {
   }
   const bool much_worse = input.median_rms > 0 && rms > kSuspectRmsPerMedian * input.median_rms &&
                           rms > kSuspectLeastRms * input.diagonal;
-  if (uncovered > kSuspectUncovered || much_worse || rms > kSuspectRms * input.diagonal ||
-      input.flipped_share > kSuspectFlipped) {
+  const bool is_bare = input.median_bare_share.has_value() &&
+                       input.bare_share > *input.median_bare_share + kSuspectBare;
+  if (is_bare || uncovered > kSuspectUncovered || much_worse ||
+      rms > kSuspectRms * input.diagonal || input.flipped_share > kSuspectFlipped) {
     return Verdict::kSuspect;
   }
   return Verdict::kOk;

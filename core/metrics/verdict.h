@@ -3,6 +3,7 @@
 #define CAGEFIT_CORE_METRICS_VERDICT_H_
 
 #include <cstdint>
+#include <optional>
 
 #include "core/cloud/point_cloud.h"
 #include "core/mesh/triangle_bvh.h"
@@ -29,6 +30,11 @@ struct VerdictInput {
   double diagonal = 0;       // of the session's first target
   double flipped_share = 0;  // of limit mesh triangles turned by more than 90 degrees against the
                              // template's, relative to their neighbours
+  // Share of the surface that has no target near it, and its median over the session's earlier OK
+  // frames, not set when there are none: where a part is suddenly missing, the surface lies on what
+  // is left and all distances are small.
+  double bare_share = 0;
+  std::optional<double> median_bare_share;
 };
 Verdict Judge(const VerdictInput& input);
 

@@ -74,6 +74,18 @@ absl::StatusOr<Energies> NamingTheField(absl::StatusOr<Energies> energies) {
                     {"INVALID_FIELD", by_vertices ? "vertices" : "frame.data", "", ""});
 }
 
+// Of a sorted list that is not empty.
+double Median(const std::vector<double>& sorted) { return sorted[sorted.size() / 2]; }
+
+void Insert(double value, std::vector<double>* sorted) {
+  sorted->insert(std::upper_bound(sorted->begin(), sorted->end(), value), value);
+}
+
+// Samples that the target's points do not surround as densely as elsewhere.
+double BareShare(const FitSummary& fit) {
+  return static_cast<double>(fit.grown_samples + fit.far_samples) / std::max(1, fit.samples);
+}
+
 absl::Status SequenceGap(uint64_t number, uint64_t expected) {
   return WithDetail(
       absl::OutOfRangeError(
@@ -168,8 +180,13 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   answer->ms.encode = measure_start - encode_start;
 
   // What the client will have is measured, not what the solver had before rounding.
-  const Judgement judgement =
-      model.Judge(*frame.cloud, step->vertices, MedianRms(), answer->fit.radius);
+  VerdictInput known;
+  known.bare_share = BareShare(answer->fit);
+  if (!ok_rms_.empty()) {
+    known.median_rms = Median(ok_rms_);
+    known.median_bare_share = Median(ok_bare_);
+  }
+  const Judgement judgement = model.Judge(*frame.cloud, step->vertices, known, answer->fit.radius);
   answer->distances = judgement.distances;
   answer->rms_percent = judgement.rms_percent;
   answer->verdict = judgement.verdict;
@@ -188,9 +205,16 @@ ImageSource Session::ImagesOf(const Frame& frame) const {
 
 std::vector<Points3d> Session::Starts(const SurfaceModel& model) const {
   if (!model_.has_value()) return {model.template_mesh().vertices()};
-  if (lost_) return {last_good_.cols() > 0 ? last_good_ : model.template_mesh().vertices()};
-  if (before_.cols() == 0) return {vertices_};
-  return {vertices_, ExtrapolateMotion(before_, vertices_, kMomentum)};
+  std::vector<Points3d> starts;
+  if (!lost_) starts.push_back(vertices_);
+  if (!lost_ && before_.cols() > 0) {
+    starts.push_back(ExtrapolateMotion(before_, vertices_, kMomentum));
+  }
+  if (lost_ && last_good_.cols() > 0) starts.push_back(last_good_);
+  // A frame that lacked a part may have bent the surface out of shape.
+  if (verdict_ != Verdict::kOk && last_ok_.cols() > 0) starts.push_back(last_ok_);
+  if (starts.empty()) starts.push_back(model.template_mesh().vertices());
+  return starts;
 }
 
 absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const CancelFn& cancelled,
@@ -280,12 +304,14 @@ absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& 
   before_ = std::move(vertices_);
   vertices_ = std::move(step.vertices);
   q_ = std::move(step.q);
+  verdict_ = answer->verdict;
   lost_ = answer->verdict == Verdict::kLost;
   if (lost_ || was_lost) before_.resize(3, 0);
   if (!lost_) last_good_ = vertices_;
   if (answer->verdict == Verdict::kOk) {
-    const double rms = answer->distances.rms;
-    ok_rms_.insert(std::upper_bound(ok_rms_.begin(), ok_rms_.end(), rms), rms);
+    last_ok_ = vertices_;
+    Insert(answer->distances.rms, &ok_rms_);
+    Insert(BareShare(answer->fit), &ok_bare_);
   }
   frame_in_memory_ = true;
   fitted_since_key_ = answer->delta.key ? 0 : fitted_since_key_ + 1;

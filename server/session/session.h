@@ -31,7 +31,8 @@ struct Loss {
 // One user at a time: through a SessionLease.
 //
 // A fit reads the session's config, its template, the control vertices after the two fitted frames
-// before (as the client has them), and the frame's bytes; nothing else, so the same frames give the
+// before and after the last frames that were OK and not LOST (as the client has them), the verdicts
+// and RMS of the frames before, and the frame's bytes; nothing else, so the same frames give the
 // same bits.
 class Session {
  public:
@@ -95,8 +96,10 @@ class Session {
   Points3d before_;                    // after the fitted frame before that, or 3 x 0
   GridPoints q_;                       // vertices_ on the grid
   Points3d last_good_;                 // after the last frame that was not LOST, or 3 x 0
+  Points3d last_ok_;                   // after the last frame that was OK, or 3 x 0
+  Verdict verdict_ = Verdict::kOk;     // of the last fitted frame
   bool lost_ = false;                  // the last fitted frame was LOST
-  std::vector<double> ok_rms_;         // of the frames judged OK, sorted
+  std::vector<double> ok_rms_, ok_bare_;  // of the frames judged OK, sorted: RMS, bare share
 
   uint64_t stream_epoch_ = 0;
   bool key_needed_ = true;  // the client may not know q_

@@ -41,17 +41,15 @@ SurfaceModel::SurfaceModel(ControlMesh template_mesh, VertexGrid grid, double di
       limit_(std::move(limit)),
       flips_(std::move(flips)) {}
 
-Judgement SurfaceModel::Judge(const PointCloud& target, const Points3d& vertices, double median_rms,
-                              double h) {
+Judgement SurfaceModel::Judge(const PointCloud& target, const Points3d& vertices,
+                              VerdictInput input, double h) {
   ApplyStencils(limit_.position, vertices, &limit_points_);
   bvh_.Build(limit_points_, limit_.triangles);
   Judgement judgement;
   judgement.distances =
       SampleDistances(target, bvh_, kJudgedPoints, std::max(h, kCoverShareOfDiagonal * diagonal_));
   judgement.rms_percent = 100 * judgement.distances.rms / diagonal_;
-  VerdictInput input;
   input.distances = judgement.distances;
-  input.median_rms = median_rms;
   input.diagonal = diagonal_;
   input.flipped_share = flips_.Share(limit_points_);
   judgement.verdict = cagefit::Judge(input);

@@ -34,10 +34,10 @@ class SurfaceModel {
   const VertexGrid& grid() const { return grid_; }  // quantum 0: the session has none
   Fitter& fitter() { return fitter_; }
 
-  // Judges the limit surface of `vertices` (3 x n) by a sample of `target`. `median_rms` as in
-  // VerdictInput; points farther than a share of the diagonal, or than the radius `h`, from the
-  // surface are uncovered.
-  Judgement Judge(const PointCloud& target, const Points3d& vertices, double median_rms, double h);
+  // Judges the limit surface of `vertices` (3 x n) by a sample of `target`. `input` brings what the
+  // session knows: the medians and the bare share; points farther than a share of the diagonal, or
+  // than the radius `h`, from the surface are uncovered.
+  Judgement Judge(const PointCloud& target, const Points3d& vertices, VerdictInput input, double h);
 
  private:
   SurfaceModel(ControlMesh template_mesh, VertexGrid grid, double diagonal, Fitter fitter,

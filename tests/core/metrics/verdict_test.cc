@@ -64,5 +64,16 @@ TEST(VerdictTest, WhatNoFrameShouldStartFromIsLost) {
   }
 }
 
+TEST(VerdictTest, ASurfaceThatIsSuddenlyBareIsSuspect) {
+  VerdictInput input;
+  input.diagonal = 1;
+  input.bare_share = 0.4;
+  EXPECT_EQ(Judge(input), Verdict::kOk) << "a first frame may show a part only";
+  input.median_bare_share = 0.38;
+  EXPECT_EQ(Judge(input), Verdict::kOk) << "as usual";
+  input.median_bare_share = 0.1;
+  EXPECT_EQ(Judge(input), Verdict::kSuspect);
+}
+
 }  // namespace
 }  // namespace cagefit

@@ -30,7 +30,9 @@ class SurfaceModelTest : public ::testing::Test {
   Judgement JudgeMoved(double share_of_diagonal, double median_rms = 0, double h = 0) {
     Points3d vertices = cage_.vertices();
     vertices.row(0).array() += share_of_diagonal * diagonal_;
-    return model_.Judge(cloud_, vertices, median_rms, h);
+    VerdictInput known;
+    known.median_rms = median_rms;
+    return model_.Judge(cloud_, vertices, known, h);
   }
 
   const ControlMesh cage_ = FrameCage(2);
@@ -93,7 +95,7 @@ TEST_F(SurfaceModelTest, UncoveredPointsAreLost) {
 TEST_F(SurfaceModelTest, AFoldedSurfaceIsNotOk) {
   Points3d vertices = cage_.vertices();
   for (Eigen::Index j = 0; j < vertices.cols(); j += 3) vertices.col(j) *= 0.2;
-  EXPECT_NE(model_.Judge(cloud_, vertices, 0, diagonal_).verdict, Verdict::kOk);
+  EXPECT_NE(model_.Judge(cloud_, vertices, VerdictInput(), diagonal_).verdict, Verdict::kOk);
 }
 
 }  // namespace

@@ -56,6 +56,33 @@ class Body {
   Speed speed_;
 };
 
+PointCloud Noise(const PointCloud& like) {
+  PointCloud cloud = like;
+  Random random(7);
+  const Box box = BoundingBox(like.points);
+  for (int64_t i = 0; i < cloud.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      cloud.points(axis, i) = static_cast<float>(random.Uniform(box.min[axis], box.max[axis]));
+    }
+    cloud.normals.col(i) = random.NormalVector().normalized().cast<float>();
+  }
+  return cloud;
+}
+
+// The points whose normals face +y: one camera's view.
+PointCloud HalfOf(const PointCloud& cloud) {
+  PointCloud half = cloud;
+  int64_t kept = 0;
+  for (int64_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.normals(1, i) < 0) continue;
+    half.points.col(kept) = cloud.points.col(i);
+    half.normals.col(kept++) = cloud.normals.col(i);
+  }
+  half.points.conservativeResize(3, kept);
+  half.normals.conservativeResize(3, kept);
+  return half;
+}
+
 class Tracker {
  public:
   explicit Tracker(const Speed& speed) : body_(speed), open_(Config(body_)) {
@@ -121,6 +148,18 @@ TEST(TrackingTest, AJumpOutOfRestIsFollowedWithoutAVelocity) {
   EXPECT_EQ(tracker.FitGood(0), Verdict::kOk);
   EXPECT_EQ(tracker.FitGood(1), Verdict::kOk);
   EXPECT_LT(tracker.Drift(1), 0.01);
+}
+
+TEST(TrackingTest, GarbageIsLostAHalfIsFollowedAndGoodFramesRecover) {
+  Tracker tracker(Jumping(0.02, 0.05));
+  for (int frame = 0; frame < 4; ++frame) EXPECT_EQ(tracker.FitGood(frame), Verdict::kOk);
+  EXPECT_EQ(tracker.Fit(Noise(tracker.body().Cloud(4))), Verdict::kLost);
+  EXPECT_EQ(tracker.FitGood(5), Verdict::kOk) << "from the surface of frame 3";
+  EXPECT_LT(tracker.Drift(5), 0.01);
+  EXPECT_EQ(tracker.Fit(HalfOf(tracker.body().Cloud(6))), Verdict::kSuspect)
+      << "though the surface lies on all points that there are";
+  for (int frame = 7; frame < 10; ++frame) EXPECT_EQ(tracker.FitGood(frame), Verdict::kOk);
+  EXPECT_LT(tracker.Drift(9), 0.01);
 }
 
 }  // namespace
