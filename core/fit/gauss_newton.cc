@@ -19,7 +19,8 @@ constexpr int kMaxLinearIterations = 400;
 constexpr double kLinearTolerance = 0.1;
 constexpr double kRounding = 1e-12;
 // Steps after which radius and branch are chosen anew. Where a radius doubles the energy jumps by a
-// percent, and a few samples that go to and fro would keep it from ever settling.
+// percent, and a few samples that go to and fro would keep it from ever settling. Feet always
+// follow: held ones would let the surface slide away under them.
 constexpr int kMaxAssignments = 30;
 // A step is kept when the energy falls by at least this share of what the model promised.
 constexpr double kLeastGain = 1e-3;
@@ -101,7 +102,7 @@ absl::StatusOr<Minimization> MinimizeGaussNewton(const SolverOptions& options,
     set_coarseness();
     objective->DrawViews(out.iterations);
     energies = out.iterations < kMaxAssignments ? objective->Assign(*V, &half_gradient)
-                                                : objective->Reevaluate(*V, &half_gradient);
+                                                : objective->AssignFeet(*V, &half_gradient);
     stale = true;
     const double least = options.relative_decrease * before;
     if (draws) {

@@ -135,7 +135,9 @@ void StudySequences() {
     for (const std::string mode : {"distance", "images", "both"}) {
       if (const char* only = std::getenv("MODE"); only != nullptr && mode != only) continue;
       FitOptions options;
-      options.coverage.weight = Env("COVERAGE", 10);
+      if (std::getenv("PAPER")) { options = FitOptions::Paper(); options.solver.max_iterations = static_cast<int>(Env("ITERATIONS", 300)); if (std::getenv("GN")) { options.solver.solver = Solver::kGaussNewton; } if (std::getenv("RATE")) options.solver.learning_rate = Env("RATE", 1e-3); }
+      if (std::getenv("STIFF")) options.solver.first_stiffness = Env("STIFF", 1);
+      if (!std::getenv("PAPER")) options.coverage.weight = Env("COVERAGE", 10);
       if (std::getenv("ALPHA")) options.arap.weight = Env("ALPHA", 0);
       if (std::getenv("PREVIOUS")) options.arap.rest = RestMesh::kPreviousFrame;
       options.solver.relative_decrease = Env("DECREASE", 1e-2);

@@ -34,7 +34,8 @@ FitOptions ImagesAlone(Views views) {
 }
 
 // Mean distance of the fitted surface from the sphere, outwards, in pixels of the views.
-double RadiusError(const FitOptions& options, const ImageSource& images, const Camera& camera) {
+double RadiusError(const FitOptions& options, const ImageSource& images, const Camera& camera,
+                   double most = 1.5) {
   const ControlMesh cage = SmallSphere();
   PointCloud cloud = testing::SphereCloud(100'000);
   cloud.points *= static_cast<float>(kRadius);
@@ -50,7 +51,7 @@ double RadiusError(const FitOptions& options, const ImageSource& images, const C
   ApplyStencils(BuildLimitMesh(cage.topology(), cage.tags(), 2).position, fitted, &Q);
   const Eigen::RowVectorXd errors = Q.colwise().norm().array() - kRadius;
   const double pixels = camera.fx / camera.center().norm();
-  EXPECT_LT(errors.cwiseAbs().maxCoeff() * pixels, 1.5);
+  EXPECT_LT(errors.cwiseAbs().maxCoeff() * pixels, most);
   return errors.mean() * pixels;
 }
 
@@ -98,11 +99,11 @@ TEST(ImageFitTest, AdamFitsBySomeViewsAtATime) {
   options.solver.learning_rate = 2e-3;
   options.image.views_per_iteration = 2;
   options.image.size = 128;
-  EXPECT_NEAR(RadiusError(options, images, Cameras()[0]), 0, 0.3);
+  EXPECT_NEAR(RadiusError(options, images, Cameras()[0], /*most=*/2), 0, 0.3);
   options.image.mode = SilhouetteMode::kPytorch3d;
   options.solver.max_iterations = 100;
   options.image.size = 64;
-  EXPECT_NEAR(RadiusError(options, images, Cameras()[0]), 0, 1);
+  EXPECT_NEAR(RadiusError(options, images, Cameras()[0], /*most=*/3), 0, 1);
 }
 
 }  // namespace
