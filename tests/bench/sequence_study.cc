@@ -1,9 +1,9 @@
-// The table of the paper: distance, images, and both, over a sequence with known motion.
+// The table of the paper: distance, images, and both, over sequences with known motion.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,149 +19,155 @@
 namespace cagefit::bench {
 namespace {
 
-struct Sequence {
-  std::string name;
-  Triangles triangles;          // of the true motion
-  std::vector<Points3d> truth;  // per frame
-  std::vector<client::Geometry> targets;
+constexpr int kFrames = 30;
+constexpr int32_t kControlVertices = 2046;
+constexpr double kMomentum = 0.8;  // as a session has it
+
+struct Frame {
+  TriangleMesh truth;
+  TriangleMesh mesh;  // what images are rendered from
+  PointCloud cloud;
 };
 
-Sequence Load(const std::string& name, int frames) {
+// Frames of the test data, by the sequence's name there. Where they are clouds their meshes are the
+// true ones.
+std::vector<Frame> LoadSequence(const std::string& name) {
   const std::string folder = testing::DataDir() + "/" + name;
-  Sequence out;
-  out.name = name;
-  client::Geometry first = *client::ReadGeometry(folder + "/template.ply");
-  out.triangles = first.mesh.triangles;
-  const int64_t n = first.mesh.vertices.cols();
+  const Triangles triangles = LoadModel(name + "/template.ply").mesh.triangles;
+  const int64_t n = triangles.maxCoeff() + 1;
   std::ifstream file(folder + "/vertices.f32", std::ios::binary);
-  for (int k = 0; k < frames; ++k) {
+  std::vector<Frame> frames;
+  for (int k = 0; k < kFrames; ++k) {
     Points3f vertices(3, n);
     file.read(reinterpret_cast<char*>(vertices.data()),
               static_cast<std::streamsize>(sizeof(float) * vertices.size()));
-    out.truth.push_back(vertices.cast<double>());
     char path[32];
     std::snprintf(path, sizeof(path), "/drc/frame_%03d.drc", k);
-    out.targets.push_back(*client::ReadGeometry(folder + path));
+    const auto geometry = client::ReadGeometry(folder + path);
+    if (!file || !geometry.ok()) {
+      std::cerr << folder << path << ": " << geometry.status() << "\n";
+      std::exit(EXIT_FAILURE);
+    }
+    Frame frame;
+    frame.truth = {vertices.cast<double>(), triangles};
+    const bool is_mesh = !geometry->is_cloud();
+    frame.mesh = is_mesh ? geometry->mesh : frame.truth;
+    frame.cloud = is_mesh ? SurfaceCloud(geometry->mesh, geometry->normals)
+                          : PointCloud{geometry->mesh.vertices.cast<float>(), geometry->normals};
+    frames.push_back(std::move(frame));
   }
-  return out;
+  return frames;
 }
 
-double Env(const char* name, double other) {
-  const char* value = std::getenv(name);
-  return value != nullptr ? std::atof(value) : other;
-}
+enum class ImagesOf { kMesh, kPoints };
 
-struct Row {
-  double hausdorff = 0, rms = 0, worst_rms = 0, tangential = 0, mean = 0, early = 0, seconds = 0,
-         iterations = 0;
+struct Setting {
+  const char* name;
+  double distance_weight, coverage_weight;
+  Views views;
+};
+constexpr Setting kSettings[] = {{"distance", 1, 0, Views::kNone},
+                                 {"images", 0, 0, Views::kSphere},
+                                 {"both", 1, 0, Views::kSphere},
+                                 {"distance and coverage", 1, 10, Views::kNone},
+                                 {"all three", 1, 10, Views::kSphere}};
+
+struct Tracking {
+  double hausdorff = 0, worst_rms = 0;          // mean and largest over the frames, percent
+  double drift = 0, tangential = 0, early = 0;  // means; of the first ten frames, tangential
+  double shared = 0;                            // drift at every third frame
+  double seconds = 0;                           // a frame
 };
 
-Row Run(const Sequence& sequence, const ControlMesh& cage, const FitOptions& options, bool use_mesh,
-        int stride) {
-  Row row;
-  std::optional<Fitter> fitter;
+Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const FitOptions& options,
+               ImagesOf images_of, int stride) {
   const LimitMesh limit = BuildLimitMesh(cage.topology(), cage.tags(), kMetricLevels);
+  const double diagonal = BoundingBox(frames[0].cloud.points).diagonal();
+  const auto normalization = Normalization::FromBox(BoundingBox(frames[0].cloud.points));
+  auto fitter = Fitter::Create(cage, *normalization, options);
   std::optional<DriftMeter> meter;
-  Points3d V = cage.vertices(), before;
-  double diagonal = 0;
-  int count = 0;
-  for (size_t k = 0; k < sequence.targets.size(); k += stride) {
-    const TriangleMesh truth{sequence.truth[k], sequence.triangles};
-    const client::Geometry& geometry = sequence.targets[k];
-    // tshirt holds clouds; its true meshes are the mesh targets.
-    const bool has_mesh = geometry.mesh.triangles.cols() > 0;
-    const TriangleMesh& mesh = has_mesh ? geometry.mesh : truth;
-    const PointCloud cloud =
-        has_mesh ? SurfaceCloud(geometry.mesh, geometry.normals)
-                 : PointCloud{geometry.mesh.vertices.cast<float>(), geometry.normals};
-    if (!fitter) {
-      const Normalization normalization = *Normalization::FromBox(BoundingBox(cloud.points));
-      fitter.emplace(*Fitter::Create(cage, normalization, options));
-      diagonal = BoundingBox(cloud.points).diagonal();
-    }
+  Points3d V = cage.vertices(), before(3, 0);
+  Tracking out;
+  int count = 0, shared = 0;
+  for (int k = 0; k < kFrames; k += stride, ++count) {
+    const Frame& frame = frames[k];
     std::vector<Points3d> starts = {V};
-    if (before.cols() > 0) starts.push_back(ExtrapolateMotion(before, V, 0.8));
+    if (before.cols() > 0) starts.push_back(ExtrapolateMotion(before, V, kMomentum));
     ImageSource images;
-    if (use_mesh) images.mesh = &mesh;
-    images.frame = k;
+    if (images_of == ImagesOf::kMesh) images.mesh = &frame.mesh;
     Points3d fitted;
     const double begin = Seconds();
     const auto summary =
-        fitter->Fit(cloud, starts, nullptr, nullptr, &fitted,
+        fitter->Fit(frame.cloud, starts, nullptr, nullptr, &fitted,
                     k == 0 ? StartKind::kTemplate : StartKind::kEarlierFit, images);
     if (!summary.ok()) {
-      std::cerr << summary.status() << "\n";
-      std::exit(1);
+      std::cerr << "frame " << k << ": " << summary.status() << "\n";
+      std::exit(EXIT_FAILURE);
     }
-    row.seconds += Seconds() - begin;
-    row.iterations += summary->iterations;
-    if (std::getenv("VERBOSE"))
-      std::printf("  frame %zu: it %d dist %.3g arap %.3g cov %.3g img %.3g\n", k,
-                  summary->iterations, summary->final.distance, summary->final.arap,
-                  summary->final.coverage, summary->final.image);
-    before = k == 0 ? Points3d(3, 0) : V;
+    out.seconds += Seconds() - begin;
+    if (k > 0) before = V;
     V = fitted;
     TriangleMesh surface;
     ApplyStencils(limit.position, V, &surface.vertices);
     surface.triangles = limit.triangles;
-    const SurfaceMetrics metrics = CompareToMesh(surface, truth);
-    row.hausdorff +=
-        100 * std::max(metrics.target_to_fit.max, metrics.fit_to_target.max) / diagonal;
-    row.rms += 100 * metrics.target_to_fit.rms / diagonal;
-    row.worst_rms = std::max(row.worst_rms, 100 * metrics.target_to_fit.rms / diagonal);
-    if (!meter) meter.emplace(surface, sequence.truth[k]);
-    const DriftStats drift = meter->Measure(surface.vertices, sequence.truth[k]);
-    row.mean += 100 * drift.mean / diagonal;
-    row.tangential += 100 * drift.tangential_mean / diagonal;
-    if (count < 10) row.early += 100 * drift.tangential_mean / diagonal / 10;
-    ++count;
+    const SurfaceMetrics metrics = CompareToMesh(surface, frame.truth);
+    out.hausdorff += metrics.Percent(metrics.hausdorff());
+    out.worst_rms = std::max(out.worst_rms, metrics.Percent(metrics.target_to_fit.rms));
+    if (!meter.has_value()) meter.emplace(surface, frame.truth.vertices);
+    const DriftStats drift = meter->Measure(surface.vertices, frame.truth.vertices);
+    const double percent = 100 / diagonal;
+    out.drift += percent * drift.mean;
+    out.tangential += percent * drift.tangential_mean;
+    if (k < 10) out.early += percent * drift.tangential_mean * stride / 10;
+    if (k % 3 == 0) {
+      out.shared += percent * drift.mean;
+      ++shared;
+    }
   }
-  for (double* v :
-       {&row.hausdorff, &row.rms, &row.mean, &row.tangential, &row.seconds, &row.iterations})
-    *v /= count;
-  return row;
+  for (double* sum : {&out.hausdorff, &out.drift, &out.tangential, &out.seconds}) *sum /= count;
+  out.shared /= shared;
+  return out;
+}
+
+void Print(const std::string& sequence, const char* images, const Setting& setting,
+           const Tracking& t) {
+  std::printf("| %s | %s | %s | %.3f | %.4f | %.3f | %.3f | %.3f | %.3f | %.2f s |\n",
+              sequence.c_str(), images, setting.name, t.hausdorff, t.worst_rms, t.drift,
+              t.tangential, t.early, t.shared, t.seconds);
+  std::fflush(stdout);
+}
+
+FitOptions OptionsOf(const Setting& setting) {
+  FitOptions options;
+  options.distance.weight = setting.distance_weight;
+  options.coverage.weight = setting.coverage_weight;
+  options.image.views = setting.views;
+  return options;
 }
 
 }  // namespace
 
 void StudySequences() {
+  if (testing::DataDir().empty()) {
+    std::fprintf(stderr, "study sequences needs the test data; set CAGEFIT_DATA\n");
+    return;
+  }
+  std::printf(
+      "| sequence | images of | energy | Hausdorff, %% | worst RMS, %% | drift, %% | along the "
+      "surface | first ten | every third frame | a frame |\n"
+      "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
   for (const std::string name : {"tshirt", "puppet"}) {
-    if (const char* only = std::getenv("ONLY"); only != nullptr && name != only) continue;
-    const Sequence sequence = Load(name, static_cast<int>(Env("FRAMES", 30)));
-    const TriangleMesh first{sequence.truth[0], sequence.triangles};
-    const ControlMesh cage = std::getenv("TRUE_TOPOLOGY")
-                                 ? *ControlMesh::Create(first.vertices, first.triangles, {})
-                                 : CageOf(first, 2046);
-    for (const std::string mode : {"distance", "images", "both"}) {
-      if (const char* only = std::getenv("MODE"); only != nullptr && mode != only) continue;
-      FitOptions options;
-      if (std::getenv("PAPER")) { options = FitOptions::Paper(); options.solver.max_iterations = static_cast<int>(Env("ITERATIONS", 300)); if (std::getenv("GN")) { options.solver.solver = Solver::kGaussNewton; } if (std::getenv("RATE")) options.solver.learning_rate = Env("RATE", 1e-3); }
-      if (std::getenv("STIFF")) options.solver.first_stiffness = Env("STIFF", 1);
-      if (!std::getenv("PAPER")) options.coverage.weight = Env("COVERAGE", 10);
-      if (std::getenv("ALPHA")) options.arap.weight = Env("ALPHA", 0);
-      if (std::getenv("PREVIOUS")) options.arap.rest = RestMesh::kPreviousFrame;
-      options.solver.relative_decrease = Env("DECREASE", 1e-2);
-      if (mode != "distance") {
-        options.image.views = Views::kSphere;
-        options.image.view_count = static_cast<int>(Env("VIEWS", 20));
-        options.image.views_per_iteration = static_cast<int>(Env("DRAWN", 0));
-        options.image.depth_weight = Env("DEPTH", 0);
-        options.image.normal_weight = Env("NORMALS", 0);
-        if (std::getenv("BETA")) options.image.weight = Env("BETA", 0);
-      }
-      if (mode == "images") {
-        options.distance.weight = 0;
-        options.coverage.weight = 0;
-      }
-      const Row row =
-          Run(sequence, cage, options, Env("MESH", 1) != 0, static_cast<int>(Env("STRIDE", 1)));
-      std::printf(
-          "%-8s %-9s Hausdorff %.3f RMS %.4f worst %.4f drift %.3f tangential %.3f first ten %.3f; "
-          "%.3f s/frame %.1f it\n",
-          name.c_str(), mode.c_str(), row.hausdorff, row.rms, row.worst_rms, row.mean,
-          row.tangential, row.early, row.seconds, row.iterations);
-      std::fflush(stdout);
+    const std::vector<Frame> frames = LoadSequence(name);
+    const ControlMesh cage = CageOf(frames[0].truth, kControlVertices);
+    for (const Setting& setting : kSettings) {
+      Print(name, setting.views == Views::kNone ? "" : "meshes", setting,
+            Track(frames, cage, OptionsOf(setting), ImagesOf::kMesh, 1));
     }
+    for (const Setting& setting : {kSettings[1], kSettings[2], kSettings[4]}) {
+      Print(name, "points", setting, Track(frames, cage, OptionsOf(setting), ImagesOf::kPoints, 1));
+    }
+    Print(name + ", every third", "meshes", kSettings[4],
+          Track(frames, cage, OptionsOf(kSettings[4]), ImagesOf::kMesh, 3));
   }
 }
 

@@ -1,4 +1,5 @@
-// Studies of the fit, each a table of the README: study robustness | solvers | scaling | vertices.
+// Studies of the fit, each a table of the README: study robustness | sequences | solvers | scaling
+// | vertices.
 #include "tests/bench/study.h"
 
 #include <chrono>
@@ -92,6 +93,6 @@ int main(int count, char** arguments) {
     run();
     return EXIT_SUCCESS;
   }
-  std::fprintf(stderr, "usage: study robustness | solvers | scaling | vertices\n");
+  std::fprintf(stderr, "usage: study robustness | sequences | solvers | scaling | vertices\n");
   return 2;
 }
