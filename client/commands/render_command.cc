@@ -10,6 +10,7 @@
 #include "client/io/camera_file.h"
 #include "client/io/geometry_file.h"
 #include "client/io/image_file.h"
+#include "client/io/picture.h"
 #include "client/limit_surface.h"
 #include "core/base/status.h"
 #include "core/image/mesh_renderer.h"
@@ -24,6 +25,7 @@ constexpr int kMostPixels = 8192;  // of a side
 struct RenderArguments {
   std::string mesh, out, silhouette = "outline";
   int levels = -1;  // below 0: the mesh as it is
+  int bits = 8;     // of PNG files
   ViewOptions views;
 };
 
@@ -61,7 +63,10 @@ absl::Status RenderViews(const RenderArguments& arguments) {
     const auto file = [&](const char* kind, const char* ending) {
       return absl::StrCat(arguments.out, "/", kind, "/", view.name, ending);
     };
-    RETURN_IF_ERROR(WritePng(file("silhouette", ".png"), rendering.silhouette, 8));
+    const int bits = arguments.bits;
+    RETURN_IF_ERROR(WritePng(file("silhouette", ".png"), rendering.silhouette, bits));
+    RETURN_IF_ERROR(WritePng(file("depth", ".png"), DepthPicture(rendering.depth), bits));
+    RETURN_IF_ERROR(WritePng(file("normals", ".png"), NormalPicture(rendering.normals), bits));
     RETURN_IF_ERROR(WritePfm(file("depth", ".pfm"), rendering.depth));
     RETURN_IF_ERROR(WritePfm(file("normals", ".pfm"), rendering.normals));
   }
@@ -75,10 +80,10 @@ absl::Status RenderViews(const RenderArguments& arguments) {
 void AddRenderCommand(CLI::App* app, Run* run) {
   const auto arguments = std::make_shared<RenderArguments>();
   ViewOptions* views = &arguments->views;
-  CLI::App* command = app->add_subcommand(
-      "render",
-      "Write silhouettes (PNG), depths and normals in world coordinates (PFM) of a mesh or a limit "
-      "surface, and the cameras that saw them");
+  CLI::App* command = app->add_subcommand("render",
+                                          "Write silhouettes (PNG), depths and normals in world "
+                                          "coordinates (PFM, and PNG to look at) of a "
+                                          "mesh or a limit surface, and the cameras that saw them");
   command->add_option("MESH", arguments->mesh, "Mesh, or with --levels control mesh")->required();
   command->add_option("--out", arguments->out, "Folder to write to")->required();
   command
@@ -101,6 +106,9 @@ void AddRenderCommand(CLI::App* app, Run* run) {
       ->add_option("--size", views->size,
                    "Pixels of the longer side; default: the camera's own, of virtual ones 256")
       ->check(CLI::Range(1, kMostPixels));
+  command->add_option("--bits", arguments->bits, "Of a PNG file's values: 8 or 16")
+      ->capture_default_str()
+      ->check(CLI::IsMember({8, 16}));
   command
       ->add_option("--silhouette", arguments->silhouette,
                    "outline, or pytorch3d for the image that PyTorch3D makes")
