@@ -76,7 +76,6 @@ struct Tracking {
   double hausdorff = 0, worst_rms = 0;          // mean and largest over the frames, percent
   double drift = 0, tangential = 0, early = 0;  // means; of the first ten frames, tangential
   double shared = 0;                            // drift at every third frame
-  double seconds = 0;                           // a frame
 };
 
 Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const FitOptions& options,
@@ -96,7 +95,6 @@ Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const 
     ImageSource images;
     if (images_of == ImagesOf::kMesh) images.mesh = &frame.mesh;
     Points3d fitted;
-    const double begin = Seconds();
     const auto summary =
         fitter->Fit(frame.cloud, starts, nullptr, nullptr, &fitted,
                     k == 0 ? StartKind::kTemplate : StartKind::kEarlierFit, images);
@@ -104,7 +102,6 @@ Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const 
       std::cerr << "frame " << k << ": " << summary.status() << "\n";
       std::exit(EXIT_FAILURE);
     }
-    out.seconds += Seconds() - begin;
     if (k > 0) before = V;
     V = fitted;
     TriangleMesh surface;
@@ -124,16 +121,16 @@ Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const 
       ++shared;
     }
   }
-  for (double* sum : {&out.hausdorff, &out.drift, &out.tangential, &out.seconds}) *sum /= count;
+  for (double* sum : {&out.hausdorff, &out.drift, &out.tangential}) *sum /= count;
   out.shared /= shared;
   return out;
 }
 
 void Print(const std::string& sequence, const char* images, const Setting& setting,
            const Tracking& t) {
-  std::printf("| %s | %s | %s | %.3f | %.4f | %.3f | %.3f | %.3f | %.3f | %.2f s |\n",
-              sequence.c_str(), images, setting.name, t.hausdorff, t.worst_rms, t.drift,
-              t.tangential, t.early, t.shared, t.seconds);
+  std::printf("| %s | %s | %s | %.3f | %.4f | %.3f | %.3f | %.3f | %.3f |\n", sequence.c_str(),
+              images, setting.name, t.hausdorff, t.worst_rms, t.drift, t.tangential, t.early,
+              t.shared);
   std::fflush(stdout);
 }
 
@@ -154,8 +151,8 @@ void StudySequences() {
   }
   std::printf(
       "| sequence | images of | energy | Hausdorff, %% | worst RMS, %% | drift, %% | along the "
-      "surface | first ten | every third frame | a frame |\n"
-      "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+      "surface | first ten | every third frame |\n"
+      "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
   for (const std::string name : {"tshirt", "puppet"}) {
     const std::vector<Frame> frames = LoadSequence(name);
     const ControlMesh cage = CageOf(frames[0].truth, kControlVertices);
