@@ -112,7 +112,7 @@ double ImageTerm::EvaluateView(size_t k) {
   double sum = 0;
   if (weights_.silhouette > 0) {
     const Image& image = view.rendering.silhouette();
-    if (view.residual.values.size() != image.values.size()) {
+    if (view.residual.width != image.width || view.residual.height != image.height) {
       view.residual = Image(image.width, image.height);
     }
     for (size_t p = 0; p < image.values.size(); ++p) {

@@ -99,6 +99,7 @@ struct Fitter::State {
     SetRest(normalization.ToUnit(starts[0]), &objective);
     ObjectiveTarget geometry = frame.objective_target();
     geometry.images = nullptr;
+    geometry.distance_weight = 1;  // for images alone, too: their own reach is a few pixels
     objective.SetTarget(geometry);
     objective.SetCoarseness(1, 1, /*is_coarse=*/true);  // some of the covered points tell enough
     for (size_t k = 0; k < starts.size(); ++k) {

@@ -42,8 +42,9 @@ double RadiusError(const FitOptions& options, const ImageSource& images, const C
   Fitter fitter =
       *Fitter::Create(cage, *Normalization::FromBox(BoundingBox(cloud.points)), options);
   Points3d fitted;
-  const auto summary =
-      fitter.Fit(cloud, {cage.vertices()}, nullptr, nullptr, &fitted, StartKind::kTemplate, images);
+  // As an earlier fit the points may move it, but not change its size: that is left to the images.
+  const auto summary = fitter.Fit(cloud, {cage.vertices()}, nullptr, nullptr, &fitted,
+                                  StartKind::kEarlierFit, images);
   EXPECT_TRUE(summary.ok()) << summary.status();
   EXPECT_GT(summary->images, 0);
   EXPECT_GT(summary->initial.image, 10 * summary->final.image);
@@ -87,6 +88,36 @@ TEST(ImageFitTest, ASphereByHardMasks) {
   images.cameras = &cameras;
   images.masks = &masks;
   EXPECT_NEAR(RadiusError(ImagesAlone(Views::kCameras), images, cameras[0]), 0, 0.1);
+}
+
+// An earlier fit that lies where no image reaches is moved onto the points first.
+TEST(ImageFitTest, ImagesAloneBeginWhereTheBodyHasMovedTo) {
+  const ControlMesh cage = SmallSphere();
+  PointCloud cloud = testing::SphereCloud(20'000);
+  cloud.points *= static_cast<float>(kRadius);
+  Fitter fitter = *Fitter::Create(cage, *Normalization::FromBox(BoundingBox(cloud.points)),
+                                  ImagesAlone(Views::kSphere));
+  cloud.points.row(1).array() += static_cast<float>(1.5 * kRadius);
+  Points3d fitted;
+  const auto summary =
+      fitter.Fit(cloud, {cage.vertices()}, nullptr, nullptr, &fitted, StartKind::kEarlierFit);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  EXPECT_LT(summary->initial.distance, 1e-12);
+  EXPECT_NEAR(fitted.row(1).mean(), 1.5 * kRadius, 0.05 * kRadius);
+}
+
+TEST(ImageFitTest, SolversThatDoNotTakeImagesAreRefused) {
+  FitOptions options = ImagesAlone(Views::kSphere);
+  EXPECT_TRUE(options.Validate().ok());
+  options.solver.solver = Solver::kCeres;
+  EXPECT_EQ(options.Validate().message(),
+            "solver is CERES, which does not take images; use GAUSS_NEWTON or ADAM");
+  options.solver.solver = Solver::kGaussNewton;
+  options.image.mode = SilhouetteMode::kPytorch3d;
+  EXPECT_EQ(options.Validate().message(),
+            "image.mode is PYTORCH3D, which has no Gauss-Newton rows; use solver ADAM");
+  options.solver.solver = Solver::kAdam;
+  EXPECT_TRUE(options.Validate().ok());
 }
 
 TEST(ImageFitTest, AdamFitsBySomeViewsAtATime) {

@@ -111,6 +111,15 @@ TEST(SessionConfigTest, RefusesBadFitOptionsNamingThem) {
   ExpectRefused(config, "max_iterations", "100001");
 }
 
+TEST(SessionConfigTest, ViewsOfCamerasNeedCameras) {
+  SessionConfig config = testing::CageConfig();
+  config.fit.image.views = Views::kCameras;
+  ASSERT_TRUE(absl::IsInvalidArgument(config.Validate())) << config.Validate();
+  EXPECT_EQ(DetailOf(config.Validate())->field, "options.fit.image.views");
+  config.cameras = {SmallCamera("left")};
+  EXPECT_EQ(config.Validate(), absl::OkStatus());
+}
+
 TEST(SessionConfigTest, CamerasAreNamedDifferentlyAndValid) {
   SessionConfig config = testing::CageConfig();
   config.cameras = {SmallCamera("left"), SmallCamera("right")};

@@ -61,6 +61,15 @@ v1::SessionOptions UnusualOptions() {
   return options;
 }
 
+TEST(SessionConvertTest, CamerasAreLookedThroughUnlessTheViewsAreSaid) {
+  v1::CreateSessionRequest request = CageRequest();
+  *request.mutable_options()->add_cameras() = UnusualCamera("left");
+  EXPECT_EQ(FromProto(request, SessionLimits())->fit.image.views, Views::kCameras);
+  request.mutable_options()->mutable_fit()->mutable_image()->set_views(v1::VIEWS_NONE);
+  EXPECT_EQ(FromProto(request, SessionLimits())->fit.image.views, Views::kNone);
+  EXPECT_EQ(FromProto(CageRequest(), SessionLimits())->fit.image.views, Views::kNone);
+}
+
 TEST(SessionConvertTest, EveryOptionArrivesAndComesBack) {
   v1::CreateSessionRequest request = CageRequest();
   request.set_name("a name");
