@@ -37,6 +37,7 @@ struct OutgoingMask {
 struct OutgoingFrame {
   std::string draco;
   std::vector<OutgoingMask> masks;  // of cameras that saw the frame
+  std::vector<v1::Landmark> landmarks;
   uint64_t sequence_number = 0;
   uint64_t point_count = 0;  // 0: not stated
   std::optional<absl::Time> timestamp;

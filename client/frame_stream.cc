@@ -100,6 +100,7 @@ absl::Status FrameStream::Send(const OutgoingFrame& frame) {
     proto->set_png_bytes(mask.png.size());
     parts.push_back(mask.png);
   }
+  for (const v1::Landmark& landmark : frame.landmarks) *header->add_landmarks() = landmark;
   size_t total_bytes = 0;
   for (const absl::string_view part : parts) total_bytes += part.size();
   header->set_total_bytes(total_bytes);

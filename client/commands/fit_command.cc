@@ -18,6 +18,7 @@
 #include "client/commands/fit_report.h"
 #include "client/commands/input_files.h"
 #include "client/commands/interrupt.h"
+#include "client/commands/landmark_file.h"
 #include "client/commands/mask_files.h"
 #include "client/commands/message_json.h"
 #include "client/commands/progress.h"
@@ -102,6 +103,9 @@ class FitJob {
         (arguments_.name.empty() ? arguments_.inputs.front() : arguments_.name).substr(0, 200));
     *request.mutable_options() = arguments_.options;
     RETURN_IF_ERROR(AddCameras(request.mutable_options()));
+    if (!arguments_.landmarks.empty()) {
+      ASSIGN_OR_RETURN(landmarks_, ReadLandmarks(arguments_.landmarks, Files()));
+    }
     if (arguments_.cage.empty()) {
       request.mutable_make_template()->set_vertices(arguments_.vertices);
       if (arguments_.crease_angle.has_value()) {
@@ -117,15 +121,20 @@ class FitJob {
   absl::Status AddCameras(v1::SessionOptions* options) {
     if (arguments_.cameras.empty()) return absl::OkStatus();
     ASSIGN_OR_RETURN(const std::vector<Camera> cameras, ReadCameras(arguments_.cameras));
-    std::vector<std::string> names, files;
+    std::vector<std::string> names;
     for (const Camera& camera : cameras) {
       names.push_back(camera.name);
       *options->add_cameras() = client::ToProto(camera);
     }
     if (arguments_.masks.empty()) return absl::OkStatus();
-    for (const FrameRecord& frame : report_.frames) files.push_back(frame.file);
-    ASSIGN_OR_RETURN(masks_, ListMasks(arguments_.masks, names, files));
+    ASSIGN_OR_RETURN(masks_, ListMasks(arguments_.masks, names, Files()));
     return absl::OkStatus();
+  }
+
+  std::vector<std::string> Files() const {
+    std::vector<std::string> files;
+    for (const FrameRecord& frame : report_.frames) files.push_back(frame.file);
+    return files;
   }
 
   absl::Status Connect() {
@@ -194,6 +203,7 @@ class FitJob {
     OutgoingFrame frame;
     ASSIGN_OR_RETURN(frame.draco,
                      EncodeFrame(report_.frames[index].file, arguments_.position_bits));
+    if (!landmarks_.empty()) frame.landmarks = landmarks_[index];
     if (masks_.empty()) return frame;
     ASSIGN_OR_RETURN(frame.masks, ReadMasks(masks_[index]));
     return frame;
@@ -287,6 +297,7 @@ class FitJob {
              arguments_.crease_angle.has_value() ? Json(*arguments_.crease_angle) : Json()},
             {"cameras", arguments_.cameras},
             {"masks", arguments_.masks},
+            {"landmarks", arguments_.landmarks},
             {"server", arguments_.server},
             {"position_bits", arguments_.position_bits},
             {"truth", arguments_.truth},
@@ -300,7 +311,9 @@ class FitJob {
   std::unique_ptr<EmbeddedServer> embedded_;
   std::unique_ptr<FitClient> client_;
   std::unique_ptr<FrameStream> stream_;
-  std::vector<std::vector<MaskFile>> masks_;  // of every frame, where there are any
+  // Of every frame, where there are any.
+  std::vector<std::vector<MaskFile>> masks_;
+  std::vector<std::vector<v1::Landmark>> landmarks_;
   std::mutex mutex_;
   std::vector<size_t> visit_of_number_;  // of every sequence number that was sent
   std::optional<ControlMesh> cage_;      // its connectivity is that of every frame

@@ -63,6 +63,11 @@ void AddTargetSettings(v1::FitOptions* fit, CLI::App* command) {
   AddValue<uint32_t>(command, "--coverage-points",
                      "Points of the target that take part in that, per control vertex",
                      [fit](uint32_t value) { fit->set_coverage_points_per_vertex(value); });
+  AddValue<double>(command, "--boundary-weight",
+                   "Weight of the distance of the surface's open boundary to the target's; 0: none",
+                   [fit](double value) { fit->set_boundary_weight(value); });
+  AddValue<double>(command, "--landmark-weight", "Weight of the landmarks; 0: none",
+                   [fit](double value) { fit->set_landmark_weight(value); });
 }
 
 void AddFieldSettings(v1::FitOptions* fit, CLI::App* command) {
@@ -203,6 +208,10 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
                    "Folder of masks, MASKS/CAMERA/FRAME.png: FRAME is the name of the input file "
                    "without its ending; what is missing is a camera that did not see the frame")
       ->needs(cameras);
+  command->add_option("--landmarks", a->landmarks,
+                      "File of places whose position is known, one a line: FRAME vertex INDEX X Y "
+                      "Z, or FRAME surface TRIANGLE U V X Y Z; FRAME is the name of the input file "
+                      "without its ending");
   command->add_option("--server", a->server,
                       "HOST:PORT or unix:PATH; default: a server inside this program");
   command->add_option("--config", "File of options, one name=value a line");

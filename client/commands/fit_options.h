@@ -17,6 +17,7 @@ struct FitArguments {
   std::vector<std::string> truth;  // files of the true motion; empty: none
   std::string out, cage, server, name;
   std::string cameras, masks;  // a file or folder of cameras; a folder of their masks, or none
+  std::string landmarks;       // a file of them, or none
   uint32_t vertices = 0;
   std::optional<double> crease_angle;  // degrees
   int position_bits = 16;

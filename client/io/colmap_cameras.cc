@@ -3,7 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "client/io/camera_readers.h"
-#include "client/io/colmap_line.h"
+#include "client/io/text_line.h"
 #include "core/base/status.h"
 
 namespace cagefit::client {
@@ -34,8 +34,7 @@ double* Place(absl::string_view parameter, Camera* camera) {
   return nullptr;
 }
 
-absl::Status ReadPixels(const ColmapLine& line, size_t column, absl::string_view field,
-                        int* value) {
+absl::Status ReadPixels(const TextLine& line, size_t column, absl::string_view field, int* value) {
   int64_t number = 0;
   RETURN_IF_ERROR(line.ReadInt(column, field, &number));
   // Camera::Validate has narrower bounds; these keep the conversion defined.
@@ -46,7 +45,7 @@ absl::Status ReadPixels(const ColmapLine& line, size_t column, absl::string_view
   return absl::OkStatus();
 }
 
-absl::StatusOr<const Model*> FindModel(const ColmapLine& line) {
+absl::StatusOr<const Model*> FindModel(const TextLine& line) {
   std::string names;
   for (const Model& model : kModels) {
     if (model.name == line.words[1]) return &model;
@@ -55,7 +54,7 @@ absl::StatusOr<const Model*> FindModel(const ColmapLine& line) {
   return line.Wrong("MODEL", line.words[1], names);
 }
 
-absl::Status ReadParameters(const ColmapLine& line, const Model& model, Camera* camera) {
+absl::Status ReadParameters(const TextLine& line, const Model& model, Camera* camera) {
   const std::vector<absl::string_view> names = absl::StrSplit(model.parameters, ' ');
   if (line.words.size() != kHeadWords + names.size()) {
     return line.Wrong(absl::StrCat("the number of PARAMS of ", model.name),
@@ -84,7 +83,7 @@ absl::Status ReadParameters(const ColmapLine& line, const Model& model, Camera* 
 absl::StatusOr<ColmapIntrinsics> ReadColmapCameras(absl::string_view bytes) {
   ColmapIntrinsics all;
   TextCursor cursor(bytes);
-  ColmapLine line;
+  TextLine line;
   while (line.Next(&cursor)) {
     if (line.words.size() < kHeadWords) {
       return BadLine(line.number, line.text, "CAMERA_ID MODEL WIDTH HEIGHT PARAMS...");

@@ -5,7 +5,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "client/io/camera_readers.h"
-#include "client/io/colmap_line.h"
+#include "client/io/text_line.h"
 #include "core/base/status.h"
 
 namespace cagefit::client {
@@ -14,7 +14,7 @@ namespace {
 constexpr size_t kNameColumn = 9;
 constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length, for files with few digits
 
-absl::Status ReadPose(const ColmapLine& line, Camera* camera) {
+absl::Status ReadPose(const TextLine& line, Camera* camera) {
   static constexpr absl::string_view kFields[] = {"QW", "QX", "QY", "QZ", "TX", "TY", "TZ"};
   double values[7];
   for (size_t k = 0; k < 7; ++k) {
@@ -29,7 +29,7 @@ absl::Status ReadPose(const ColmapLine& line, Camera* camera) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<Camera> ReadImage(const ColmapLine& line, const ColmapIntrinsics& intrinsics) {
+absl::StatusOr<Camera> ReadImage(const TextLine& line, const ColmapIntrinsics& intrinsics) {
   if (line.words.size() <= kNameColumn) {
     return BadLine(line.number, line.text, "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
   }
@@ -71,7 +71,7 @@ absl::StatusOr<std::vector<Camera>> ReadColmapImages(absl::string_view bytes,
   std::vector<Camera> cameras;
   std::set<std::string> names;
   TextCursor cursor(bytes);
-  ColmapLine line;
+  TextLine line;
   while (line.Next(&cursor)) {
     ASSIGN_OR_RETURN(Camera camera, ReadImage(line, intrinsics));
     if (!names.insert(camera.name).second) {

@@ -1,5 +1,6 @@
 #include "core/fit/ceres_costs.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <utility>
@@ -75,6 +76,32 @@ bool CoverageCost::Evaluate(double const* const* parameters, double* residuals,
     if (jacobians[k] == nullptr) continue;
     Eigen::Map<Eigen::RowVector3d> J_r_Vk(jacobians[k]);
     J_r_Vk = -root * slope * stencil_[k] * row_.direction.transpose();
+  }
+  return true;
+}
+
+AttachmentCost::AttachmentCost(const Eigen::Matrix3d& weight, const Eigen::Vector3d& target,
+                               std::vector<double> stencil)
+    : target_(target), stencil_(std::move(stencil)) {
+  // Rounding may have put an eigenvalue below 0.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(weight);
+  root_ = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+          eigen.eigenvectors().transpose();
+  set_num_residuals(3);
+  mutable_parameter_block_sizes()->assign(stencil_.size(), 3);
+}
+
+bool AttachmentCost::Evaluate(double const* const* parameters, double* residuals,
+                              double** jacobians) const {
+  Eigen::Vector3d X = -target_;
+  for (size_t k = 0; k < stencil_.size(); ++k) X += stencil_[k] * Block(parameters, k);
+  Eigen::Map<Eigen::Vector3d> r(residuals);
+  r = root_ * X;
+  if (jacobians == nullptr) return true;
+  for (size_t k = 0; k < stencil_.size(); ++k) {
+    if (jacobians[k] == nullptr) continue;
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> J(jacobians[k]);
+    J = stencil_[k] * root_;
   }
   return true;
 }

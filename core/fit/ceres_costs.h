@@ -43,6 +43,21 @@ class CoverageCost : public ceres::CostFunction {
   std::vector<double> stencil_;
 };
 
+// The symmetric square root of `weight` times S V - target, of one attachment. Parameter blocks:
+// the control vertices of `stencil`, the entries of S.
+class AttachmentCost : public ceres::CostFunction {
+ public:
+  AttachmentCost(const Eigen::Matrix3d& weight, const Eigen::Vector3d& target,
+                 std::vector<double> stencil);
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  Eigen::Matrix3d root_;
+  Eigen::Vector3d target_;
+  std::vector<double> stencil_;
+};
+
 // sqrt(alpha w_ij) ((V_i - V_j) - R_i (V'_i - V'_j)) for all neighbours j of i, R_i the best
 // rotation. Parameter blocks: V_i, then its neighbours. The Jacobian lets R_i follow to first
 // order, as in energy/arap_term.h.

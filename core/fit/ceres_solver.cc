@@ -56,6 +56,23 @@ void AddCoverage(const CoverageTerm& coverage, Points3d* V, ceres::Problem* prob
   }
 }
 
+void AddAttachments(const Objective& objective, Points3d* V, ceres::Problem* problem) {
+  for (const Attachments* set : objective.attachments()) {
+    for (int64_t k = 0; k < set->size(); ++k) {
+      if (set->weights[k].isZero(0)) continue;
+      std::vector<double*> blocks;
+      std::vector<double> stencil;
+      for (StencilMatrix::InnerIterator s(set->rows, k); s; ++s) {
+        blocks.push_back(V->col(s.col()).data());
+        stencil.push_back(s.value());
+      }
+      problem->AddResidualBlock(
+          new AttachmentCost(set->weights[k], set->targets.col(k), std::move(stencil)), nullptr,
+          blocks);
+    }
+  }
+}
+
 std::unique_ptr<ceres::Problem> BuildProblem(const Objective& objective, Points3d* V) {
   auto problem = std::make_unique<ceres::Problem>();
   std::vector<double*> blocks;
@@ -71,6 +88,7 @@ std::unique_ptr<ceres::Problem> BuildProblem(const Objective& objective, Points3
                               blocks);
   }
   if (objective.coverage() != nullptr) AddCoverage(*objective.coverage(), V, problem.get());
+  AddAttachments(objective, V, problem.get());
   if (objective.arap_weight() <= 0) return problem;
   const ArapTerm& arap = objective.arap();
   for (int32_t i = 0; i < arap.vertex_count(); ++i) {
@@ -99,8 +117,7 @@ class HeldMinimizer {
 
   // From *V, where `energies` are those of the last choice; replaces both and adds to *iterations.
   absl::Status Minimize(Points3d* V, Energies* energies, int* iterations) {
-    const bool covers = objective_->coverage() != nullptr && objective_->coverage()->is_on();
-    if (covers) return FollowFeet(V, energies, iterations);
+    if (objective_->has_feet()) return FollowFeet(V, energies, iterations);
     RETURN_IF_ERROR(Solve(options_.max_iterations - *iterations, V, iterations));
     *energies = objective_->Evaluate(*V, nullptr);
     return absl::OkStatus();

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "core/base/check_range.h"
 #include "core/base/status.h"
-#include "core/fit/check_range.h"
 
 namespace cagefit {
 
@@ -33,6 +33,8 @@ absl::Status FitOptions::Validate() const {
   RETURN_IF_ERROR(CheckRange("kernel_scale", distance.kernel_scale, 0, 1e12));
   RETURN_IF_ERROR(CheckRange("coverage_weight", coverage.weight, 0, 1e6));
   RETURN_IF_ERROR(CheckRange("coverage_points_per_vertex", coverage.points_per_vertex, 1, 1000));
+  RETURN_IF_ERROR(CheckRange("landmark_weight", landmarks.weight, 0, 1e6));
+  RETURN_IF_ERROR(CheckRange("boundary_weight", boundary.weight, 0, 1e6));
   RETURN_IF_ERROR(CheckRange("arap_weight", arap.weight.value_or(0), 0, 1e6));
   RETURN_IF_ERROR(CheckRange("max_iterations", solver.max_iterations, 1, 100'000));
   RETURN_IF_ERROR(CheckRange("relative_decrease", solver.relative_decrease, 1e-12, 0.5));

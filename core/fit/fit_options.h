@@ -43,6 +43,16 @@ struct CoverageOptions {
                               // that is more); 1 to 1,000
 };
 
+// Of the landmarks that a frame brings (energy/landmark_term.h).
+struct LandmarkOptions {
+  double weight = 1;  // delta, 0 to 1e6
+};
+
+// Of an open surface (energy/boundary_term.h).
+struct BoundaryOptions {
+  double weight = 0;  // eta, 0 to 1e6
+};
+
 struct ArapOptions {
   // alpha >= 0. Not set: by the number of control vertices and the noise of the frame.
   std::optional<double> weight;
@@ -71,6 +81,8 @@ struct FitOptions {
   DistanceOptions distance;
   CoverageOptions coverage;
   ImageOptions image;
+  LandmarkOptions landmarks;
+  BoundaryOptions boundary;
   ArapOptions arap;
   SolverOptions solver;
 

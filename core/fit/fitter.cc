@@ -57,19 +57,25 @@ Objective MakeObjective(const ControlMesh& mesh, StencilMatrix samples, const Fi
                         double foot_tolerance) {
   const bool shows = options.image.views != Views::kNone;
   std::shared_ptr<const RefinedSurface> m1;
-  std::unique_ptr<CoverageTerm> coverage;
-  std::unique_ptr<ImageTerm> images;
+  OptionalTerms terms;
   if (options.coverage.weight > 0 || shows) {
     m1 = std::make_shared<RefinedSurface>(mesh.topology(), mesh.tags());
   }
   if (options.coverage.weight > 0) {
-    coverage = std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags(), foot_tolerance, m1);
+    terms.coverage =
+        std::make_unique<CoverageTerm>(mesh.topology(), mesh.tags(), foot_tolerance, m1);
   }
   if (shows) {
-    images = std::make_unique<ImageTerm>(m1, RenderOptions(options.image),
-                                         options.image.views_per_iteration, options.image.seed);
+    terms.images = std::make_unique<ImageTerm>(
+        m1, RenderOptions(options.image), options.image.views_per_iteration, options.image.seed);
   }
-  return Objective(mesh.topology(), std::move(samples), 0, std::move(coverage), std::move(images));
+  if (options.landmarks.weight > 0) {
+    terms.landmarks = std::make_unique<LandmarkTerm>(mesh.topology(), mesh.tags());
+  }
+  if (options.boundary.weight > 0) {
+    terms.boundary = std::make_unique<BoundaryTerm>(mesh.topology(), mesh.tags());
+  }
+  return Objective(mesh.topology(), std::move(samples), 0, std::move(terms));
 }
 
 }  // namespace
@@ -90,6 +96,11 @@ struct Fitter::State {
         objective(MakeObjective(mesh, std::move(samples), options, FootTolerance(options.solver))),
         system(objective) {
     objective.SetRest(rest);
+  }
+
+  absl::Status Check(const FrameSource& source) const {
+    if (source.landmarks == nullptr) return absl::OkStatus();
+    return CheckLandmarks(*source.landmarks, mesh.vertex_count(), mesh.triangles().cols());
   }
 
   // Writes the start with the lowest energy, in unit coordinates, and returns its index.
@@ -233,15 +244,16 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
                                        const std::vector<Points3d>& starts,
                                        const CancelFn& cancelled, const ClockFn& clock,
                                        Points3d* fitted, StartKind kind,
-                                       const ImageSource& images) {
+                                       const FrameSource& source) {
   State& s = *state_;
   RETURN_IF_ERROR(CheckStarts(starts, s.rest.cols()));
   RETURN_IF_ERROR(CheckTarget(target));
+  RETURN_IF_ERROR(s.Check(source));
   const auto now = [&] { return clock ? clock() : 0.0; };
 
   const double t_start = now();
   s.has_frame = false;
-  RETURN_IF_ERROR(s.frame.Build(target, s.normalization, s.options, s.rest.cols(), images));
+  RETURN_IF_ERROR(s.frame.Build(target, s.normalization, s.options, s.rest.cols(), source));
   s.has_frame = true;
   s.objective.set_arap_weight(s.frame.ArapWeight(s.options, s.rest.cols()));
   const double t_indexed = now();
@@ -278,7 +290,7 @@ absl::StatusOr<FitSummary> Fitter::Fit(const PointCloud& target,
 
 absl::StatusOr<Energies> Fitter::Evaluate(const PointCloud* target, const Points3d& start,
                                           const Points3d& vertices, const CancelFn& cancelled,
-                                          Points3d* gradient, const ImageSource& images) {
+                                          Points3d* gradient, const FrameSource& source) {
   State& s = *state_;
   const int64_t n = s.rest.cols();
   RETURN_IF_ERROR(CheckVertices("start", start, n));
@@ -292,8 +304,9 @@ absl::StatusOr<Energies> Fitter::Evaluate(const PointCloud* target, const Points
   const FrameTarget* frame = &s.frame;
   if (target != nullptr) {
     RETURN_IF_ERROR(CheckTarget(*target));
+    RETURN_IF_ERROR(s.Check(source));
     if (s.loss_frame == nullptr) s.loss_frame = std::make_unique<FrameTarget>();
-    RETURN_IF_ERROR(s.loss_frame->Build(*target, s.normalization, s.options, n, images));
+    RETURN_IF_ERROR(s.loss_frame->Build(*target, s.normalization, s.options, n, source));
     frame = s.loss_frame.get();
   } else if (!s.has_frame) {
     return absl::FailedPreconditionError("target: none is given and nothing was fitted to one");

@@ -12,7 +12,7 @@
 #include "core/cloud/point_cloud.h"
 #include "core/fit/energies.h"
 #include "core/fit/fit_options.h"
-#include "core/fit/frame_images.h"
+#include "core/fit/frame_source.h"
 #include "core/fit/normalization.h"
 #include "core/mesh/control_mesh.h"
 #include "core/subdiv/stencils.h"
@@ -63,14 +63,14 @@ class Fitter {
   // (3 x n, user units) to `*fitted`. Begins at that of `starts` (each 3 x n, user units; at least
   // one) where the energy without images is lowest, the first of equals. Each earlier fit is first
   // moved rigidly onto the target where that lowers E_dist; the template that was chosen, as a
-  // whole and with its size, where that brings it much nearer (alignment.h). `images`: what the
-  // image loss takes beside the points. A pure function of Create's arguments, `starts`, `target`,
-  // `kind` and `images`. CANCELLED within one solver step; INTERNAL when the fit diverged (not
+  // whole and with its size, where that brings it much nearer (alignment.h). `source`: what
+  // the frame has beside its points. A pure function of Create's arguments, `starts`, `target`,
+  // `kind` and `source`. CANCELLED within one solver step; INTERNAL when the fit diverged (not
   // finite). On error *fitted is unchanged.
   absl::StatusOr<FitSummary> Fit(const PointCloud& target, const std::vector<Points3d>& starts,
                                  const CancelFn& cancelled, const ClockFn& clock, Points3d* fitted,
                                  StartKind kind = StartKind::kTemplate,
-                                 const ImageSource& images = {});
+                                 const FrameSource& source = {});
 
   // The energies of control vertices (3 x n, user units), weighted as in a fit to `target`
   // (validated, with normals; user units; null: that of the last Fit) from `start`, whose rest mesh
@@ -78,12 +78,12 @@ class Fitter {
   // and branch of every sample and the feet of covered points are chosen at `vertices`: the energy
   // is smooth but where these choices change, and the gradient exact where it is, but for the
   // weights of Field::kRimls, which it holds. A pure function of Create's arguments, `target`,
-  // `start`, `vertices` and `images`; no later Fit depends on it. INVALID_ARGUMENT for vertices
+  // `start`, `vertices` and `source`; no later Fit depends on it. INVALID_ARGUMENT for vertices
   // that are not n finite ones, or a million times the first target's size away;
   // FAILED_PRECONDITION without a target; CANCELLED.
   absl::StatusOr<Energies> Evaluate(const PointCloud* target, const Points3d& start,
                                     const Points3d& vertices, const CancelFn& cancelled,
-                                    Points3d* gradient, const ImageSource& images = {});
+                                    Points3d* gradient, const FrameSource& source = {});
 
  private:
   struct State;

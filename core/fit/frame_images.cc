@@ -27,7 +27,7 @@ SilhouetteOptions RenderOptions(const ImageOptions& options) {
   return {options.mode, {options.sigma, options.blur_radius, options.faces_per_pixel}};
 }
 
-absl::Status FrameImages::Build(const ImageSource& source, const PointCloud& cloud, double spacing,
+absl::Status FrameImages::Build(const FrameSource& source, const PointCloud& cloud, double spacing,
                                 const Normalization& normalization, const ImageOptions& options) {
   targets_.clear();
   if (options.views == Views::kNone) return absl::OkStatus();
@@ -44,7 +44,7 @@ absl::Status FrameImages::Build(const ImageSource& source, const PointCloud& clo
   return absl::OkStatus();
 }
 
-absl::Status FrameImages::BuildFromMasks(const ImageSource& source,
+absl::Status FrameImages::BuildFromMasks(const FrameSource& source,
                                          const Normalization& normalization,
                                          const ImageOptions& options) {
   if (source.cameras == nullptr || source.masks == nullptr) return absl::OkStatus();

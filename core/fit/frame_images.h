@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/cloud/point_cloud.h"
+#include "core/fit/frame_source.h"
 #include "core/fit/image_options.h"
 #include "core/fit/normalization.h"
 #include "core/image/cloud_target.h"
@@ -14,28 +15,20 @@
 
 namespace cagefit {
 
-// What a frame holds for its images beside its points. User units.
-struct ImageSource {
-  const TriangleMesh* mesh = nullptr;            // its surface; null: seen by its points
-  const std::vector<Camera>* cameras = nullptr;  // real ones; null: none
-  const std::vector<Image>* masks = nullptr;     // by camera, 1 inside; empty where one is missing
-  uint64_t frame = 0;                            // goes into the seed of the views
-};
-
 // Not thread-safe. Buffers keep their capacity.
 class FrameImages {
  public:
   // Makes the images of the views that the options ask for: of the masks, with Views::kCameras;
   // else of the mesh, or of `cloud` (unit coordinates), whose points are `spacing` apart.
   // INVALID_ARGUMENT as MaskTarget says.
-  absl::Status Build(const ImageSource& source, const PointCloud& cloud, double spacing,
+  absl::Status Build(const FrameSource& source, const PointCloud& cloud, double spacing,
                      const Normalization& normalization, const ImageOptions& options);
 
   // In unit coordinates. Empty: the frame has no images.
   const std::vector<ImageTarget>& targets() const { return targets_; }
 
  private:
-  absl::Status BuildFromMasks(const ImageSource& source, const Normalization& normalization,
+  absl::Status BuildFromMasks(const FrameSource& source, const Normalization& normalization,
                               const ImageOptions& options);
   void BuildFromMesh(const TriangleMesh& mesh, const Normalization& normalization,
                      const std::vector<Camera>& cameras, const ImageOptions& options);

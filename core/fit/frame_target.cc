@@ -40,7 +40,7 @@ void ToUnit(const Normalization& normalization, const PointCloud& user, PointClo
 
 absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& normalization,
                                 const FitOptions& options, int64_t control_vertices,
-                                const ImageSource& images) {
+                                const FrameSource& source) {
   ToUnit(normalization, user, &cloud_);
   scale_ = normalization.scale;
   noise_ = 0;
@@ -66,13 +66,18 @@ absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& nor
     target_.covered = &covered_;
   }
   target_.distance_weight = distance.weight;
-  RETURN_IF_ERROR(images_.Build(images, cloud_, index_.spacing(), normalization, options.image));
+  RETURN_IF_ERROR(images_.Build(source, cloud_, index_.spacing(), normalization, options.image));
   const double beta =
       options.image.weight.value_or(kImageWeightPerVertex * static_cast<double>(control_vertices));
   target_.images = &images_.targets();
   target_.image_weights = {beta, beta * options.image.depth_weight,
                            beta * options.image.normal_weight};
-  target_.frame = images.frame;
+  target_.frame = source.frame;
+  target_.landmark_weight = options.landmarks.weight;
+  PlaceLandmarks(source, normalization);
+  target_.boundary_weight = options.boundary.weight;
+  target_.boundary = nullptr;
+  if (options.boundary.weight > 0) TraceBoundary(source, normalization);
   return absl::OkStatus();
 }
 
@@ -112,6 +117,24 @@ void FrameTarget::DrawCovered(int64_t count) {
     covered_.points.col(k) = grid.point_at(i);
     covered_.normals.col(k) = grid.normal_at(i);
   }
+}
+
+void FrameTarget::PlaceLandmarks(const FrameSource& source, const Normalization& normalization) {
+  landmarks_.clear();
+  if (source.landmarks != nullptr) landmarks_ = *source.landmarks;
+  for (Landmark& landmark : landmarks_) {
+    landmark.position = normalization.ToUnit(Points3d(landmark.position));
+  }
+  target_.landmarks = &landmarks_;
+}
+
+void FrameTarget::TraceBoundary(const FrameSource& source, const Normalization& normalization) {
+  boundary_ =
+      source.mesh != nullptr
+          ? BoundaryOfMesh({normalization.ToUnit(source.mesh->vertices), source.mesh->triangles},
+                           index_.spacing())
+          : BoundaryOfCloud(index_.grid(), index_.spacing());
+  target_.boundary = &boundary_;
 }
 
 double FrameTarget::ArapWeight(const FitOptions& options, int64_t control_vertices) const {

@@ -22,10 +22,10 @@ class FrameTarget {
   // Takes `user` (validated, with normals; user units) in. Where no radius is set, h is the larger
   // of radius_factor times the spacing and kRadiusPerNoise times the noise. INVALID_ARGUMENT when
   // fewer than kMinTargetPoints points are left.
-  // `images`: what the image loss takes beside the points. INVALID_ARGUMENT as FrameImages says.
+  // `source`: what the frame has beside the points. INVALID_ARGUMENT as FrameImages says.
   absl::Status Build(const PointCloud& user, const Normalization& normalization,
                      const FitOptions& options, int64_t control_vertices,
-                     const ImageSource& images = {});
+                     const FrameSource& source = {});
 
   const ObjectiveTarget& objective_target() const { return target_; }
   const TargetIndex& index() const { return index_; }
@@ -41,9 +41,13 @@ class FrameTarget {
   absl::Status Index(const FitOptions& options);
   absl::Status Clean(const FitOptions& options);
   void DrawCovered(int64_t count);
+  void PlaceLandmarks(const FrameSource& source, const Normalization& normalization);
+  void TraceBoundary(const FrameSource& source, const Normalization& normalization);
 
   PointCloud cloud_, covered_;
   FrameImages images_;
+  std::vector<Landmark> landmarks_;
+  BoundaryCurve boundary_;
   TargetIndex index_;
   ObjectiveTarget target_;
   double scale_ = 1, noise_ = 0;

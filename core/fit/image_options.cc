@@ -1,7 +1,7 @@
 #include "core/fit/image_options.h"
 
+#include "core/base/check_range.h"
 #include "core/base/status.h"
-#include "core/fit/check_range.h"
 
 namespace cagefit {
 

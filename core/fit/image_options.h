@@ -22,7 +22,7 @@ struct ImageOptions {
   double normal_weight = 0;      // of normal images, as a share of beta
   SilhouetteMode mode = SilhouetteMode::kOutline;
   int size = 256;               // pixels of an image's longer side; 64 to 2,048
-  int view_count = 20;          // of virtual views; 1 to 200
+  int view_count = 10;          // of virtual views; 1 to 200
   int views_per_iteration = 0;  // drawn in each; 0: all
   double sigma = 1e-4;          // 1e-8 to 1
   double blur_radius = SoftSilhouetteOptions().blur_radius;  // of kPytorch3d; 0 to 1

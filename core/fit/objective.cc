@@ -37,16 +37,15 @@ StencilMatrix Stack(const StencilMatrix& top, const StencilMatrix& bottom) {
 }  // namespace
 
 Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weight,
-                     std::unique_ptr<CoverageTerm> coverage, std::unique_ptr<ImageTerm> images)
+                     OptionalTerms terms)
     : S_(std::move(S)),
       St_(S_.transpose()),
       arap_weight_(arap_weight),
       arap_(topology),
-      coverage_(std::move(coverage)),
-      images_(std::move(images)),
-      surface_(coverage_ != nullptr ? coverage_->m1()
-               : images_ != nullptr ? images_->m1()
-                                    : nullptr) {
+      terms_(std::move(terms)),
+      surface_(terms_.coverage != nullptr ? terms_.coverage->m1()
+               : terms_.images != nullptr ? terms_.images->m1()
+                                          : nullptr) {
   if (surface_ == nullptr || AreEqual(S_, surface_->position)) return;
   stacked_ = Stack(S_, surface_->position);
   surface_begin_ = S_.rows();
@@ -55,45 +54,77 @@ Objective::Objective(const Topology& topology, StencilMatrix S, double arap_weig
 void Objective::SetTarget(const ObjectiveTarget& target) {
   distance_.SetTarget(target.index, target.far_radius, S_.cols(), target.field, target.kernel,
                       target.distance_weight);
-  if (coverage_ != nullptr) {
-    coverage_->SetTarget(target.covered, target.covered != nullptr ? target.covered->size() : 0,
-                         target.coverage_weight, target.kernel);
+  if (terms_.coverage != nullptr) {
+    terms_.coverage->SetTarget(target.covered,
+                               target.covered != nullptr ? target.covered->size() : 0,
+                               target.coverage_weight, target.kernel);
   }
-  if (images_ != nullptr) images_->SetTarget(target.images, target.image_weights, target.frame);
+  if (terms_.images != nullptr)
+    terms_.images->SetTarget(target.images, target.image_weights, target.frame);
+  static const std::vector<Landmark> kNoLandmarks;
+  if (terms_.landmarks != nullptr) {
+    terms_.landmarks->SetTarget(target.landmarks != nullptr ? *target.landmarks : kNoLandmarks,
+                                target.landmark_weight);
+  }
+  if (terms_.boundary != nullptr) {
+    terms_.boundary->SetTarget(target.boundary, target.boundary_weight);
+  }
   radius_factor_ = 1;
   residuals_.clear();
 }
 
+std::vector<const Attachments*> Objective::attachments() const {
+  std::vector<const Attachments*> all;
+  if (terms_.landmarks != nullptr) all.push_back(&terms_.landmarks->attachments());
+  if (terms_.boundary != nullptr) all.push_back(&terms_.boundary->attachments());
+  return all;
+}
+
+bool Objective::has_feet() const {
+  return (terms_.coverage != nullptr && terms_.coverage->is_on()) ||
+         (terms_.boundary != nullptr && terms_.boundary->is_on());
+}
+
 void Objective::DrawViews(int64_t iteration) {
-  if (images_ != nullptr) images_->Draw(iteration);
+  if (terms_.images != nullptr) terms_.images->Draw(iteration);
 }
 
 void Objective::UseAllViews() {
-  if (images_ != nullptr) images_->UseAll();
+  if (terms_.images != nullptr) terms_.images->UseAll();
 }
 
 bool Objective::SurfaceBlocksOf(SurfaceBlocks* blocks) const {
-  const bool covers = coverage_ != nullptr && coverage_->is_on();
-  const bool shows = images_ != nullptr && images_->is_on();
+  const bool covers = terms_.coverage != nullptr && terms_.coverage->is_on();
+  const bool shows = terms_.images != nullptr && terms_.images->is_on();
   if (!covers && !shows) return false;
   blocks->SetZero(surface_->topology);
-  if (covers) coverage_->AddBlocks(blocks);
-  if (shows) images_->AddBlocks(blocks);
+  if (covers) terms_.coverage->AddBlocks(blocks);
+  if (shows) terms_.images->AddBlocks(blocks);
   return true;
 }
 
 void Objective::SetCoarseness(double radius_factor, double kernel_factor, bool is_coarse) {
   distance_.SetCoarseness(radius_factor, kernel_factor);
-  if (coverage_ != nullptr) coverage_->SetCoarseness(kernel_factor, is_coarse);
+  if (terms_.coverage != nullptr) terms_.coverage->SetCoarseness(kernel_factor, is_coarse);
   if (radius_factor != radius_factor_) residuals_.clear();
   radius_factor_ = radius_factor;
+}
+
+void Objective::ChooseFeet(const Points3d& V) {
+  coverage_energy_ = terms_.coverage != nullptr ? terms_.coverage->Assign(V) : 0;
+  image_energy_ = terms_.images != nullptr ? terms_.images->Evaluate(V) : 0;
+  if (terms_.boundary != nullptr) terms_.boundary->Assign(V);
+}
+
+void Objective::EvaluateTerms(const Points3d& V) {
+  coverage_energy_ = terms_.coverage != nullptr ? terms_.coverage->Evaluate(V) : 0;
+  image_energy_ = terms_.images != nullptr ? terms_.images->Evaluate(V) : 0;
 }
 
 Energies Objective::Assign(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Assign(Q_, &residuals_);
-  coverage_energy_ = coverage_ != nullptr ? coverage_->Assign(V) : 0;
-  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
+  ChooseFeet(V);
   return Reevaluate(V, half_gradient);
 }
 
@@ -101,24 +132,21 @@ Energies Objective::AssignSamples(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   residuals_.clear();
   distance_energy_ = distance_.Assign(Q_, &residuals_);
-  coverage_energy_ = coverage_ != nullptr ? coverage_->Evaluate(V) : 0;
-  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
+  EvaluateTerms(V);
   return Reevaluate(V, half_gradient);
 }
 
 Energies Objective::AssignFeet(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Evaluate(Q_, &residuals_);
-  coverage_energy_ = coverage_ != nullptr ? coverage_->Assign(V) : 0;
-  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
+  ChooseFeet(V);
   return Reevaluate(V, half_gradient);
 }
 
 Energies Objective::Evaluate(const Points3d& V, Points3d* half_gradient) {
   ApplyStencils(S_, V, &Q_);
   distance_energy_ = distance_.Evaluate(Q_, &residuals_);
-  coverage_energy_ = coverage_ != nullptr ? coverage_->Evaluate(V) : 0;
-  image_energy_ = images_ != nullptr ? images_->Evaluate(V) : 0;
+  EvaluateTerms(V);
   return Reevaluate(V, half_gradient);
 }
 
@@ -127,6 +155,8 @@ Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
   energies.distance = distance_energy_;
   energies.coverage = coverage_energy_;
   energies.image = image_energy_;
+  if (terms_.landmarks != nullptr) energies.landmarks = terms_.landmarks->attachments().Energy(V);
+  if (terms_.boundary != nullptr) energies.boundary = terms_.boundary->attachments().Energy(V);
   if (arap_weight_ > 0) {
     arap_.UpdateRotations(V);
     energies.arap = arap_weight_ * arap_.Evaluate(V, half_gradient);
@@ -149,8 +179,9 @@ Energies Objective::Reevaluate(const Points3d& V, Points3d* half_gradient) {
       half_gradient->col(j) += weight * g;
     }
   });
-  if (coverage_ != nullptr) coverage_->AddHalfGradient(half_gradient);
-  if (images_ != nullptr) images_->AddHalfGradient(half_gradient);
+  if (terms_.coverage != nullptr) terms_.coverage->AddHalfGradient(half_gradient);
+  if (terms_.images != nullptr) terms_.images->AddHalfGradient(half_gradient);
+  for (const Attachments* set : attachments()) set->AddHalfGradient(V, half_gradient);
   return energies;
 }
 

@@ -1,5 +1,5 @@
-// The energy that every solver minimises: E_dist + alpha E_reg + gamma E_cov + beta E_img over the
-// control vertices, in unit coordinates.
+// The energy that every solver minimises: E_dist + alpha E_reg + gamma E_cov + beta E_img +
+// delta E_land + eta E_bound over the control vertices, in unit coordinates.
 #ifndef CAGEFIT_CORE_FIT_OBJECTIVE_H_
 #define CAGEFIT_CORE_FIT_OBJECTIVE_H_
 
@@ -7,9 +7,12 @@
 #include <vector>
 
 #include "core/energy/arap_term.h"
+#include "core/energy/attachments.h"
+#include "core/energy/boundary_term.h"
 #include "core/energy/coverage_term.h"
 #include "core/energy/distance_term.h"
 #include "core/energy/image_term.h"
+#include "core/energy/landmark_term.h"
 #include "core/energy/refined_surface.h"
 #include "core/fit/energies.h"
 #include "core/subdiv/stencils.h"
@@ -27,16 +30,27 @@ struct ObjectiveTarget {
   double distance_weight = 1;           // of E_dist; 0: none
   const std::vector<ImageTarget>* images = nullptr;  // outlive the objective's use of them
   ImageWeights image_weights;
-  uint64_t frame = 0;  // what views are drawn by
+  uint64_t frame = 0;                                // what views are drawn by
+  const std::vector<Landmark>* landmarks = nullptr;  // null: none
+  double landmark_weight = 0;                        // delta
+  const BoundaryCurve* boundary = nullptr;           // outlives the objective's use of it
+  double boundary_weight = 0;                        // eta; 0: none, as without a boundary term
+};
+
+// Terms that not every objective has; each may be null.
+struct OptionalTerms {
+  std::unique_ptr<CoverageTerm> coverage;
+  std::unique_ptr<ImageTerm> images;
+  std::unique_ptr<LandmarkTerm> landmarks;
+  std::unique_ptr<BoundaryTerm> boundary;
 };
 
 // Not thread-safe. Structure is built once; SetTarget and SetRest replace numbers.
 class Objective {
  public:
-  // S: m samples x n control vertices. `coverage` and `images` may be null.
+  // S: m samples x n control vertices.
   Objective(const Topology& topology, StencilMatrix S, double arap_weight,
-            std::unique_ptr<CoverageTerm> coverage = nullptr,
-            std::unique_ptr<ImageTerm> images = nullptr);
+            OptionalTerms terms = {});
 
   void SetTarget(const ObjectiveTarget& target);
   void SetTarget(const TargetIndex* index, double far_radius) {
@@ -58,9 +72,10 @@ class Objective {
   // All views take part.
   void UseAllViews();
 
-  // Chooses radius and branch of every sample and the foot of every covered point at V (3 x n),
-  // where Evaluate was last called or the target or the coarseness is new, and returns the energies
-  // under that choice with half their gradient (3 x n) unless that is null, as below.
+  // Chooses radius and branch of every sample, the foot of every covered point and where the
+  // boundary is drawn to at V (3 x n), where Evaluate was last called or the target or the
+  // coarseness is new, and returns the energies under that choice with half their gradient (3 x n)
+  // unless that is null, as below.
   Energies Assign(const Points3d& V, Points3d* half_gradient);
 
   // As Assign at any V, but with the feet of the last Assign.
@@ -80,9 +95,13 @@ class Objective {
   const std::vector<SampleResiduals>& residuals() const { return residuals_; }
   const DistanceTerm& distance() const { return distance_; }
   const ArapTerm& arap() const { return arap_; }
-  const CoverageTerm* coverage() const { return coverage_.get(); }  // null: there is none
-  const ImageTerm* images() const { return images_.get(); }         // null: there is none
-  double arap_weight() const { return arap_weight_; }               // alpha
+  const CoverageTerm* coverage() const { return terms_.coverage.get(); }  // null: there is none
+  const ImageTerm* images() const { return terms_.images.get(); }         // null: there is none
+  // What landmarks and boundary come to: sets of attachments, some of them without rows.
+  std::vector<const Attachments*> attachments() const;
+  // Whether something was chosen that a step may leave behind: feet, or places on the boundary.
+  bool has_feet() const;
+  double arap_weight() const { return arap_weight_; }  // alpha
   void set_arap_weight(double weight) { arap_weight_ = weight; }
   const StencilMatrix& stencils() const { return S_; }
   // Rows at which a Gauss-Newton matrix has its blocks: the samples, and behind them, where they
@@ -96,14 +115,17 @@ class Objective {
   bool SurfaceBlocksOf(SurfaceBlocks* blocks) const;
 
  private:
+  // What is not of the samples.
+  void ChooseFeet(const Points3d& V);
+  void EvaluateTerms(const Points3d& V);
+
   StencilMatrix S_, St_;       // m x n and n x m
   StencilMatrix stacked_;      // S_, then those of M1; empty where they are S_
   int64_t surface_begin_ = 0;  // 0 or m
   double arap_weight_;
   DistanceTerm distance_;
   ArapTerm arap_;
-  std::unique_ptr<CoverageTerm> coverage_;
-  std::unique_ptr<ImageTerm> images_;
+  OptionalTerms terms_;
   std::shared_ptr<const RefinedSurface> surface_;
   double radius_factor_ = 1;
   Points3d Q_;

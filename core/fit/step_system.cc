@@ -137,6 +137,7 @@ void StepSystem::Linearize(const Objective& objective) {
       diagonal_[i] = D;
     }
   });
+  AddAttachments(objective);
   double trace = 0;
   for (const Eigen::Matrix3d& D : diagonal_) trace += D.trace();
   mean_diagonal_ = static_cast<float>(trace / (3.0 * static_cast<double>(vertices_)));
@@ -168,6 +169,26 @@ void StepSystem::LinearizeRows(const Objective& objective) {
       for (int c = 0; c < 3; ++c) block_columns_[3 * i + c] << A.col(c), 0;
     }
   });
+}
+
+void StepSystem::AddAttachments(const Objective& objective) {
+  attached_begin_.assign(1, 0);
+  attached_index_.clear();
+  attached_weight_.clear();
+  attached_columns_.clear();
+  for (const Attachments* set : objective.attachments()) {
+    for (int64_t k = 0; k < set->size(); ++k) {
+      const Eigen::Matrix3d& A = set->weights[k];
+      if (A.isZero(0)) continue;
+      for (StencilMatrix::InnerIterator s(set->rows, k); s; ++s) {
+        attached_index_.push_back(s.col());
+        attached_weight_.push_back(static_cast<float>(s.value()));
+        diagonal_[s.col()] += s.value() * s.value() * A;
+      }
+      for (int c = 0; c < 3; ++c) attached_columns_.push_back(Widen(Eigen::Vector3d(A.col(c))));
+      attached_begin_.push_back(static_cast<int32_t>(attached_index_.size()));
+    }
+  }
 }
 
 void StepSystem::Precondition(double damping) {
@@ -238,6 +259,20 @@ void StepSystem::Apply(const Vecs& x, float damping, Vecs* y) {
       (*y)[j] = sum;
     }
   });
+  ApplyAttachments(x, y);
+}
+
+void StepSystem::ApplyAttachments(const Vecs& x, Vecs* y) const {
+  for (size_t k = 0; k + 1 < attached_begin_.size(); ++k) {
+    Vec u = Vec::Zero();
+    for (int32_t s = attached_begin_[k]; s < attached_begin_[k + 1]; ++s) {
+      u += attached_weight_[s] * x[attached_index_[s]];
+    }
+    const Vec t = Times(&attached_columns_[3 * k], u);
+    for (int32_t s = attached_begin_[k]; s < attached_begin_[k + 1]; ++s) {
+      (*y)[attached_index_[s]] += attached_weight_[s] * t;
+    }
+  }
 }
 
 int StepSystem::Solve(const Points3d& half_gradient, double damping, double tolerance,

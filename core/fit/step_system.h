@@ -1,12 +1,13 @@
 // The damped normal equations of one Gauss-Newton step, matrix-free, and their solution by
 // preconditioned conjugate gradients.
 //
-//   ( S^T A S + alpha H_arap + lambda D ) step = -g/2
+//   ( S^T A S + L^T B L + alpha H_arap + lambda D ) step = -g/2
 //
 // A holds one 3 x 3 block per row of Objective::block_stencils, of a sample
 // n/m (rho' grad f grad f^T + grad b grad b^T), and the blocks of coverage and images for vertices
-// and edges of M1 (energy/refined_surface.h); H_arap is that of energy/arap_term.h; D is the mean
-// diagonal. The preconditioner is the inverse of the 3 x 3 diagonal blocks. Vectors are single
+// and edges of M1 (energy/refined_surface.h); L and B hold rows and weights of the attachments
+// (energy/attachments.h), of which there are few; H_arap is that of energy/arap_term.h; D is the
+// mean diagonal. The preconditioner is the inverse of the 3 x 3 diagonal blocks. Vectors are single
 // precision, four lanes a vertex: the step is inexact by design, gradient and energy stay double.
 #ifndef CAGEFIT_CORE_FIT_STEP_SYSTEM_H_
 #define CAGEFIT_CORE_FIT_STEP_SYSTEM_H_
@@ -39,8 +40,10 @@ class StepSystem {
 
   void LinkRows(const Objective& objective);
   void LinearizeRows(const Objective& objective);
+  void AddAttachments(const Objective& objective);
   void Precondition(double damping);
   void ApplyLinked();
+  void ApplyAttachments(const Vecs& x, Vecs* y) const;
   void Apply(const Vecs& x, float damping, Vecs* y);
 
   // Structure: S and its transpose, half-edges with their reverse.
@@ -52,6 +55,11 @@ class StepSystem {
   int64_t surface_begin_ = 0;
   std::vector<int32_t> edge_begin_, edge_neighbor_, edge_reverse_;
   int64_t rows_ = 0, vertices_ = 0;
+
+  // Attachments that take part: rows over the control vertices, three columns of B each.
+  std::vector<int32_t> attached_begin_, attached_index_;
+  std::vector<float> attached_weight_;
+  Vecs attached_columns_;
 
   // Numbers of the current linearisation.
   Vecs block_columns_;  // of A: three a row

@@ -1,5 +1,6 @@
 #include "server/session/frame.h"
 
+#include <cstring>
 #include <new>
 #include <utility>
 
@@ -12,13 +13,28 @@
 namespace cagefit::server {
 namespace {
 
-// Also of what the bytes do not say: which camera each mask is of, and where one ends.
+template <typename Value>
+void AppendBytes(const Value& value, std::string* bytes) {
+  char raw[sizeof(Value)];
+  std::memcpy(raw, &value, sizeof(Value));
+  bytes->append(raw, sizeof(Value));
+}
+
+// Also of what the bytes do not say: which camera each mask is of, where one ends, and landmarks.
 Digest DigestOf(const Frame& frame) {
   const Digest of_bytes = Sha256(frame.bytes);
-  if (frame.stated_masks.empty()) return of_bytes;
+  if (frame.stated_masks.empty() && frame.landmarks.empty()) return of_bytes;
   std::string all(of_bytes.begin(), of_bytes.end());
   for (const StatedMask& mask : frame.stated_masks) {
     absl::StrAppend(&all, mask.camera.size(), ":", mask.camera, ":", mask.png_bytes, ";");
+  }
+  for (const Landmark& landmark : frame.landmarks) {
+    AppendBytes(landmark.vertex, &all);
+    AppendBytes(landmark.at.face, &all);
+    for (const double value : {landmark.at.u, landmark.at.v, landmark.position[0],
+                               landmark.position[1], landmark.position[2]}) {
+      AppendBytes(value, &all);
+    }
   }
   return Sha256(all);
 }

@@ -11,6 +11,7 @@
 #include "absl/time/time.h"
 #include "core/cloud/point_cloud.h"
 #include "core/codec/draco_codec.h"
+#include "core/energy/landmark_term.h"
 #include "core/fit/fitter.h"
 #include "core/image/camera.h"
 #include "core/mesh/triangle_mesh.h"
@@ -25,13 +26,14 @@ struct Frame {
   uint64_t point_count = 0;             // that the bytes must hold; 0: not stated
   std::string bytes;                    // Draco, then the PNG of every mask
   std::vector<StatedMask> stated_masks;
+  std::vector<Landmark> landmarks;  // of the session's template: not checked
 
   // Where the request has them, for errors.
   const char* header_field = "header";
   const char* bytes_field = "chunk.data";
 
   // Filled by DecodeFrame.
-  Digest digest{};              // of all bytes, and of what is stated of the masks
+  Digest digest{};              // of all bytes, and of what is stated beside them
   uint64_t geometry_bytes = 0;  // that the masks follow
   absl::StatusOr<PointCloud> cloud = absl::UnknownError("not decoded");
   std::optional<TriangleMesh> mesh;  // where the geometry is one; `cloud` is its surface

@@ -74,6 +74,15 @@ absl::StatusOr<Energies> NamingTheField(absl::StatusOr<Energies> energies) {
                     {"INVALID_FIELD", by_vertices ? "vertices" : "frame.data", "", ""});
 }
 
+absl::Status CheckLandmarks(const Frame& frame, const ControlMesh& mesh) {
+  const absl::Status status =
+      cagefit::CheckLandmarks(frame.landmarks, mesh.vertex_count(), mesh.triangles().cols());
+  if (status.ok()) return status;
+  return WithDetail(
+      absl::InvalidArgumentError(absl::StrCat(frame.header_field, ".", status.message())),
+      {"INVALID_FIELD", absl::StrCat(frame.header_field, ".landmarks"), "", ""});
+}
+
 // Of a sorted list that is not empty.
 double Median(const std::vector<double>& sorted) { return sorted[sorted.size() / 2]; }
 
@@ -161,12 +170,13 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   }
   SurfaceModel& model = model_.has_value() ? *model_ : *step->first_model;
 
+  RETURN_IF_ERROR(CheckLandmarks(frame, model.template_mesh()));
   Points3d fitted;
   frame_in_memory_ = false;
   const bool is_first = !model_.has_value() || (lost_ && last_good_.cols() == 0);
   auto summary =
       model.fitter().Fit(*frame.cloud, Starts(model), cancelled, clock_, &fitted,
-                         is_first ? StartKind::kTemplate : StartKind::kEarlierFit, ImagesOf(frame));
+                         is_first ? StartKind::kTemplate : StartKind::kEarlierFit, SourceOf(frame));
   if (absl::IsInternal(summary.status())) return Diverged(summary.status());
   RETURN_IF_ERROR(summary.status());
   answer->fit = *summary;
@@ -194,11 +204,12 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   return absl::OkStatus();
 }
 
-ImageSource Session::ImagesOf(const Frame& frame) const {
-  ImageSource source;
+FrameSource Session::SourceOf(const Frame& frame) const {
+  FrameSource source;
   if (frame.mesh.has_value()) source.mesh = &*frame.mesh;
   source.cameras = &ledger_->config().cameras;
   source.masks = &frame.masks;
+  source.landmarks = &frame.landmarks;
   source.frame = frame.sequence_number;
   return source;
 }
@@ -330,11 +341,12 @@ absl::StatusOr<Loss> Session::EvaluateLoss(const Points3d& vertices, const Frame
     return NoFrame("FRAME_NOT_IN_MEMORY", "the server has the one that was fitted last no more");
   }
   RETURN_IF_ERROR(CheckLossVertices(vertices, model_->template_mesh()));
+  if (frame != nullptr) RETURN_IF_ERROR(CheckLandmarks(*frame, model_->template_mesh()));
   Loss loss;
   ASSIGN_OR_RETURN(loss.energies, NamingTheField(model_->fitter().Evaluate(
                                       frame != nullptr ? &*frame->cloud : nullptr,
                                       Starts(*model_).front(), vertices, cancelled, &loss.gradient,
-                                      frame != nullptr ? ImagesOf(*frame) : ImageSource())));
+                                      frame != nullptr ? SourceOf(*frame) : FrameSource())));
   return loss;
 } catch (const std::bad_alloc&) {
   return NoMemory("evaluate this loss");
@@ -345,13 +357,14 @@ absl::StatusOr<Loss> Session::FirstLoss(const Points3d& vertices, const Frame& f
   const PointCloud& target = *frame.cloud;
   ASSIGN_OR_RETURN(const ControlMesh mesh, ledger_->FinalTemplate());
   RETURN_IF_ERROR(CheckLossVertices(vertices, mesh));
+  RETURN_IF_ERROR(CheckLandmarks(frame, mesh));
   ASSIGN_OR_RETURN(const Normalization normalization,
                    Normalization::FromBox(BoundingBox(target.points)));
   ASSIGN_OR_RETURN(Fitter fitter, Fitter::Create(mesh, normalization, ledger_->config().fit));
   Loss loss;
   ASSIGN_OR_RETURN(loss.energies,
                    NamingTheField(fitter.Evaluate(&target, mesh.vertices(), vertices, cancelled,
-                                                  &loss.gradient, ImagesOf(frame))));
+                                                  &loss.gradient, SourceOf(frame))));
   return loss;
 }
 

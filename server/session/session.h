@@ -69,7 +69,7 @@ class Session {
   absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
   absl::Status Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer, Step* step);
   // What the frame holds for the image loss.
-  ImageSource ImagesOf(const Frame& frame) const;
+  FrameSource SourceOf(const Frame& frame) const;
   // Where the next fit may begin.
   std::vector<Points3d> Starts(const SurfaceModel& model) const;
   absl::StatusOr<SurfaceModel> MakeModel(const Frame& frame, const CancelFn& cancelled,

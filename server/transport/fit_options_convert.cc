@@ -44,6 +44,8 @@ std::vector<Row> Rows(FitOptions* o) {
           {"kernel_scale", &o->distance.kernel_scale},
           {"coverage_weight", &o->coverage.weight},
           {"coverage_points_per_vertex", &o->coverage.points_per_vertex},
+          {"landmark_weight", &o->landmarks.weight},
+          {"boundary_weight", &o->boundary.weight},
           {"arap_weight", &o->arap.weight},
           {"rest_mesh", &o->arap.rest},
           {"solver", &o->solver.solver},

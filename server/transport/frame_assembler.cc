@@ -1,5 +1,7 @@
 #include "server/transport/frame_assembler.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -29,6 +31,35 @@ absl::Status CheckFrameBytes(const std::string& field, uint64_t bytes, int64_t m
   return LimitExceeded(field, bytes, max_frame_bytes);
 }
 
+absl::StatusOr<std::vector<Landmark>> LandmarksFromProto(
+    const std::string& field, const google::protobuf::RepeatedPtrField<v1::Landmark>& protos) {
+  if (protos.size() > kMaxLandmarks) {
+    return LimitExceeded(field, static_cast<uint64_t>(protos.size()), kMaxLandmarks);
+  }
+  constexpr uint32_t kMost = std::numeric_limits<int32_t>::max();
+  std::vector<Landmark> landmarks;
+  for (const v1::Landmark& proto : protos) {
+    const std::string element = absl::StrCat(field, "[", landmarks.size(), "]");
+    Landmark landmark;
+    landmark.position = {proto.x(), proto.y(), proto.z()};
+    const v1::SurfacePlace& surface = proto.surface();
+    if (proto.place_case() == v1::Landmark::PLACE_NOT_SET) {
+      return InvalidField(absl::StrCat(element, ".place"), "not set", "vertex or surface");
+    }
+    if (std::max(proto.vertex(), surface.triangle()) > kMost) {
+      return InvalidField(element, absl::StrCat(std::max(proto.vertex(), surface.triangle())),
+                          "no mesh has as many vertices or triangles");
+    }
+    if (proto.has_vertex()) {
+      landmark.vertex = static_cast<int32_t>(proto.vertex());
+    } else {
+      landmark.at = {static_cast<int32_t>(surface.triangle()), surface.u(), surface.v()};
+    }
+    landmarks.push_back(landmark);
+  }
+  return landmarks;
+}
+
 FrameAssembler::FrameAssembler(int64_t max_frame_bytes, ByteBudget* budget)
     : max_frame_bytes_(max_frame_bytes), budget_(budget) {}
 
@@ -53,7 +84,13 @@ absl::Status FrameAssembler::Begin(const v1::FrameHeader& header) {
   RETURN_IF_ERROR(CheckBetweenFrames());
   RETURN_IF_ERROR(CheckEncoding("header.encoding", header.encoding()));
   RETURN_IF_ERROR(CheckFrameBytes("header.total_bytes", header.total_bytes(), max_frame_bytes_));
-  current_ = ReceivedFrame{Frame(), ByteReservation(budget_)};
+  ASSIGN_OR_RETURN(std::vector<Landmark> landmarks,
+                   LandmarksFromProto("header.landmarks", header.landmarks()));
+  ReceivedFrame received{Frame(), ByteReservation(budget_)};
+  RETURN_IF_ERROR(
+      received.reservation.Grow(static_cast<int64_t>(landmarks.size() * sizeof(Landmark))));
+  current_ = std::move(received);
+  current_->frame.landmarks = std::move(landmarks);
   total_bytes_ = header.total_bytes();
   current_->frame.sequence_number = header.sequence_number();
   current_->frame.point_count = header.point_count();

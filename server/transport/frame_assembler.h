@@ -34,6 +34,12 @@ std::vector<StatedMask> FromProto(const Masks& protos) {
   return masks;
 }
 
+// INVALID_ARGUMENT naming `field` and the landmark that has no place, or one that no mesh can have;
+// RESOURCE_EXHAUSTED above kMaxLandmarks.
+absl::StatusOr<std::vector<Landmark>> LandmarksFromProto(
+    const std::string& field, const google::protobuf::RepeatedPtrField<v1::Landmark>& protos);
+inline constexpr int kMaxLandmarks = 10'000;
+
 class FrameAssembler {
  public:
   // `budget` must outlive the assembler and its frames.

@@ -40,6 +40,7 @@ absl::StatusOr<LossQuery> FromProto(v1::EvaluateLossRequest* request) {
   frame.bytes = std::move(*proto.mutable_data());
   frame.point_count = proto.point_count();
   frame.stated_masks = FromProto(proto.masks());
+  ASSIGN_OR_RETURN(frame.landmarks, LandmarksFromProto("frame.landmarks", proto.landmarks()));
   frame.header_field = "frame";
   frame.bytes_field = "frame.data";
   return query;

@@ -105,6 +105,8 @@ v1::Energies ToProto(const Energies& energies) {
   proto.set_arap(energies.arap);
   proto.set_coverage(energies.coverage);
   proto.set_image(energies.image);
+  proto.set_landmarks(energies.landmarks);
+  proto.set_boundary(energies.boundary);
   return proto;
 }
 

@@ -57,7 +57,7 @@ BENCHMARK(TwoOutlineViewsOfATorus)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-// As WholeFitOfASequenceFrame, with silhouettes of the points from 20 sides.
+// As WholeFitOfASequenceFrame, with silhouettes of the points from 10 sides.
 void WholeFitWithImages(benchmark::State& state) {
   const Scene& scene = Sequence();
   FitOptions options;

@@ -92,7 +92,7 @@ Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const 
     const Frame& frame = frames[k];
     std::vector<Points3d> starts = {V};
     if (before.cols() > 0) starts.push_back(ExtrapolateMotion(before, V, kMomentum));
-    ImageSource images;
+    FrameSource images;
     if (images_of == ImagesOf::kMesh) images.mesh = &frame.mesh;
     Points3d fitted;
     const auto summary =

@@ -418,6 +418,57 @@ TEST_F(StreamTest, MasksComeWithTheirFrame) {
             "frame.masks[0].camera");
 }
 
+TEST_F(StreamTest, LandmarksHoldTheSurface) {
+  StartSession(CageRequest());
+  OutgoingFrame frame = OutgoingMovingFrame(0);
+  const Points3d plain = FrameCage().vertices();
+  v1::Landmark& landmark = frame.landmarks.emplace_back();
+  landmark.set_vertex(3);
+  landmark.set_x(1.1 * plain(0, 3));
+  landmark.set_y(1.1 * plain(1, 3));
+  landmark.set_z(1.1 * plain(2, 3));
+  ASSERT_TRUE(stream_->Send(frame).ok());
+  const client::FittedFrame fitted = ReceiveFrame(stream_.get());
+  ASSERT_EQ(fitted.status, absl::OkStatus());
+  EXPECT_GT(fitted.reply.initial_energies().landmarks(), 0);
+  EXPECT_LT(fitted.reply.final_energies().landmarks(),
+            0.1 * fitted.reply.initial_energies().landmarks());
+
+  OutgoingFrame bad = OutgoingMovingFrame(1);
+  bad.landmarks.emplace_back().set_vertex(1'000'000);
+  ASSERT_TRUE(stream_->Send(bad).ok());
+  const absl::Status refused = ReceiveFrame(stream_.get()).status;
+  EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
+  EXPECT_EQ(client::DetailOf(refused)->field(), "header.landmarks");
+  EXPECT_THAT(std::string(refused.message()),
+              ::testing::StartsWith("header.landmarks[0].vertex is 1000000; the mesh has "));
+
+  // The loss knows them, too.
+  v1::EvaluateLossRequest loss;
+  loss.set_session_id(id_);
+  loss.mutable_vertices()->Add(plain.data(), plain.data() + plain.size());
+  loss.mutable_frame()->set_data(frame.draco);
+  *loss.mutable_frame()->add_landmarks() = landmark;
+  const auto evaluated = client_->EvaluateLoss(loss);
+  ASSERT_TRUE(evaluated.ok()) << evaluated.status();
+  EXPECT_GT(evaluated->energies().landmarks(), 0);
+  *loss.mutable_frame()->mutable_landmarks(0) = bad.landmarks[0];
+  EXPECT_EQ(client::DetailOf(client_->EvaluateLoss(loss).status())->field(), "frame.landmarks");
+}
+
+TEST_F(StreamTest, ARepeatedFrameHasTheSameLandmarks) {
+  StartSession(CageRequest());
+  OutgoingFrame frame = OutgoingMovingFrame(0);
+  frame.landmarks.emplace_back().set_vertex(3);
+  for (const bool repeated : {false, true}) {
+    ASSERT_TRUE(stream_->Send(frame).ok());
+    EXPECT_EQ(ReceiveFrame(stream_.get()).reply.repeated_reply(), repeated);
+  }
+  frame.landmarks[0].set_x(1);
+  ASSERT_TRUE(stream_->Send(frame).ok());
+  EXPECT_TRUE(absl::IsAlreadyExists(stream_->Receive().status()));
+}
+
 TEST_F(StreamTest, ARepeatedFrameHasTheSameMasks) {
   StartSession(RequestWithCameras());
   OutgoingFrame frame = OutgoingMovingFrame(0);

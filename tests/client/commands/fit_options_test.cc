@@ -52,6 +52,8 @@ std::vector<Flag> Flags() {
       {"--kernel tukey", [](auto* o) { o->set_kernel(v1::KERNEL_TUKEY); }},
       {"--kernel-scale 0.375", [](auto* o) { o->set_kernel_scale(0.375); }},
       {"--coverage-weight 0", [](auto* o) { o->set_coverage_weight(0); }},
+      {"--boundary-weight 0.5", [](auto* o) { o->set_boundary_weight(0.5); }},
+      {"--landmark-weight 2", [](auto* o) { o->set_landmark_weight(2); }},
       {"--coverage-points 33", [](auto* o) { o->set_coverage_points_per_vertex(33); }},
       {"--arap-weight 0.125", [](auto* o) { o->set_arap_weight(0.125); }},
       {"--rest template", [](auto* o) { o->set_rest_mesh(v1::REST_MESH_TEMPLATE); }},

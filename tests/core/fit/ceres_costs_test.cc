@@ -67,6 +67,25 @@ TEST(CeresCostsTest, CoverageJacobianAgreesWithFiniteDifferencesUnderEveryKernel
   }
 }
 
+TEST(CeresCostsTest, AttachmentIsItsEnergyAndItsJacobianAgreesWithFiniteDifferences) {
+  const Eigen::Vector3d t = Eigen::Vector3d(1, 2, -2) / 3, target(0.3, 0.1, -0.2);
+  const std::vector<Eigen::Vector3d> x = {{0.1, 0.2, 0.3}, {-0.4, 0.5, 0.1}, {0.3, -0.1, 0.2}};
+  const std::vector<double> stencil = {0.2, 0.3, 0.5};
+  Eigen::Vector3d X = -target;
+  for (size_t k = 0; k < x.size(); ++k) X += stencil[k] * x[k];
+  for (const Eigen::Matrix3d& weight :
+       {Eigen::Matrix3d(2.5 * Eigen::Matrix3d::Identity()),
+        Eigen::Matrix3d(0.4 * (Eigen::Matrix3d::Identity() - t * t.transpose()))}) {
+    const AttachmentCost cost(weight, target, stencil);
+    CheckJacobian(cost, x, 1e-6);
+    std::vector<const double*> parameters;
+    for (const Eigen::Vector3d& v : x) parameters.push_back(v.data());
+    Eigen::Vector3d r;
+    ASSERT_TRUE(cost.Evaluate(parameters.data(), r.data(), nullptr));
+    EXPECT_NEAR(r.squaredNorm(), X.dot(weight * X), 1e-12);
+  }
+}
+
 TEST(CeresCostsTest, ArapJacobianAgreesWithFiniteDifferencesAtTheRestShape) {
   // At zero residual the first-order rotation is exact; elsewhere the Jacobian is that of Gauss and
   // Newton.

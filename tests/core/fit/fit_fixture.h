@@ -35,6 +35,17 @@ inline ControlMesh SphereCage(int levels, double radius) {
   return *ControlMesh::Create(std::move(mesh.vertices), std::move(mesh.triangles));
 }
 
+// Landmarks and boundaries act once they are set as targets.
+inline OptionalTerms TermsFor(const ControlMesh& cage, double coverage_weight) {
+  OptionalTerms terms;
+  if (coverage_weight > 0) {
+    terms.coverage = std::make_unique<CoverageTerm>(cage.topology(), cage.tags());
+  }
+  terms.landmarks = std::make_unique<LandmarkTerm>(cage.topology(), cage.tags());
+  terms.boundary = std::make_unique<BoundaryTerm>(cage.topology(), cage.tags());
+  return terms;
+}
+
 // Objective over a cage, an icosphere unless given, against a cloud, an ellipsoid's unless given;
 // unit coordinates, fixed radius.
 struct FitProblem {
@@ -46,9 +57,7 @@ struct FitProblem {
       : cage(start),
         cloud(std::move(target_cloud)),
         objective(cage.topology(), BuildLimitMesh(cage.topology(), cage.tags(), 1).position,
-                  arap_weight,
-                  coverage_weight > 0 ? std::make_unique<CoverageTerm>(cage.topology(), cage.tags())
-                                      : nullptr) {
+                  arap_weight, TermsFor(cage, coverage_weight)) {
     (void)index.Build(cloud, radius, 2);
     target.index = &index;
     target.far_radius = 3 * radius;

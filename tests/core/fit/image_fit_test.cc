@@ -34,7 +34,7 @@ FitOptions ImagesAlone(Views views) {
 }
 
 // Mean distance of the fitted surface from the sphere, outwards, in pixels of the views.
-double RadiusError(const FitOptions& options, const ImageSource& images, const Camera& camera,
+double RadiusError(const FitOptions& options, const FrameSource& images, const Camera& camera,
                    double most = 1.5) {
   const ControlMesh cage = SmallSphere();
   PointCloud cloud = testing::SphereCloud(100'000);
@@ -60,7 +60,7 @@ std::vector<Camera> Cameras() { return SphereViews(20, {0, 0, 0}, std::sqrt(3) *
 
 TEST(ImageFitTest, ASphereByTheImagesOfAFinerMesh) {
   const TriangleMesh fine = Icosphere(6, kRadius);
-  ImageSource images;
+  FrameSource images;
   images.mesh = &fine;
   EXPECT_NEAR(RadiusError(ImagesAlone(Views::kSphere), images, Cameras()[0]), 0, 0.1);
 }
@@ -84,7 +84,7 @@ TEST(ImageFitTest, ASphereByHardMasks) {
     masks.push_back(std::move(mask));
   }
   masks[3] = Image();  // a view that is missing
-  ImageSource images;
+  FrameSource images;
   images.cameras = &cameras;
   images.masks = &masks;
   EXPECT_NEAR(RadiusError(ImagesAlone(Views::kCameras), images, cameras[0]), 0, 0.1);
@@ -122,7 +122,7 @@ TEST(ImageFitTest, SolversThatDoNotTakeImagesAreRefused) {
 
 TEST(ImageFitTest, AdamFitsBySomeViewsAtATime) {
   const TriangleMesh fine = Icosphere(5, kRadius);
-  ImageSource images;
+  FrameSource images;
   images.mesh = &fine;
   FitOptions options = ImagesAlone(Views::kSphere);
   options.solver.solver = Solver::kAdam;

@@ -72,7 +72,7 @@ double MeanDrift(const FitOptions& options, int around, int along) {
     if (frame % 3 == 0) {
       for (size_t k = 0; k < cameras.size(); ++k) masks[k] = HardMask(truth, cameras[k]);
     }
-    ImageSource images;
+    FrameSource images;
     images.cameras = &calibrated;
     images.masks = &masks;
     std::vector<Points3d> starts = {V};

@@ -55,6 +55,8 @@ TEST(ObjectiveTest, GradientOfAllTermsTogetherAgreesWithFiniteDifferencesOnACrea
   const PointCloud cloud = testing::EllipsoidCloud(4000, {0.5, 0.45, 0.4});
   TargetIndex index;
   ASSERT_TRUE(index.Build(cloud, 0.08, 2).ok());
+  const std::vector<Landmark> landmarks = {{7, {}, {0.1, 0.2, 0.3}},
+                                           {-1, {5, 0.2, 0.3}, {0, 0, 1}}};
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-0.02, 0.02);
   for (const Sampling sampling :
@@ -62,7 +64,7 @@ TEST(ObjectiveTest, GradientOfAllTermsTogetherAgreesWithFiniteDifferencesOnACrea
     for (const Field field : {Field::kImls, Field::kRimls}) {
       for (const Kernel kernel : {Kernel::kIdentity, Kernel::kGemanMcClure}) {
         Objective objective(cage.topology(), *SampleStencils(cage, sampling, 3, 1), 0.05,
-                            std::make_unique<CoverageTerm>(cage.topology(), cage.tags()));
+                            testing::TermsFor(cage, 3));
         ObjectiveTarget target;
         target.index = &index;
         target.far_radius = 0.1;
@@ -70,6 +72,8 @@ TEST(ObjectiveTest, GradientOfAllTermsTogetherAgreesWithFiniteDifferencesOnACrea
         target.kernel = {kernel, 0.05};
         target.covered = &cloud;
         target.coverage_weight = 3;
+        target.landmarks = &landmarks;
+        target.landmark_weight = 2;
         objective.SetTarget(target);
         objective.SetRest(cage.vertices());
         const Points3d V = cage.vertices() + Points3d::NullaryExpr(3, cage.vertex_count(),
@@ -77,7 +81,9 @@ TEST(ObjectiveTest, GradientOfAllTermsTogetherAgreesWithFiniteDifferencesOnACrea
         Points3d half_gradient, unused;
         objective.Assign(V, &half_gradient);
         const Energies energies = objective.Evaluate(V, &half_gradient);
-        ASSERT_GT(std::min({energies.distance, energies.arap, energies.coverage}), 1e-3);
+        ASSERT_GT(
+            std::min({energies.distance, energies.arap, energies.coverage, energies.landmarks}),
+            1e-3);
         ASSERT_GT(objective.distance().far_samples(), 0);
         const double scale = half_gradient.colwise().norm().maxCoeff();
         for (int64_t i = 0; i < V.cols(); i += 9) {

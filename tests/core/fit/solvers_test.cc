@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -50,14 +51,22 @@ struct Setting {
   ControlMesh cage;
   PointCloud cloud;
   double radius, coverage_weight;
+  std::vector<Landmark> landmarks = {};
+  BoundaryCurve boundary = {};
 };
 
 // Fits from the same start with each solver and compares the energies of where they end, under
 // choices that an objective makes which has seen nothing else.
 void ExpectTheSameMinimum(const Setting& setting, const std::vector<Solver>& solvers) {
   const auto make_problem = [&] {
-    return std::make_unique<testing::FitProblem>(setting.cage, setting.cloud, 0.05, setting.radius,
-                                                 setting.coverage_weight);
+    auto problem = std::make_unique<testing::FitProblem>(setting.cage, setting.cloud, 0.05,
+                                                         setting.radius, setting.coverage_weight);
+    problem->target.landmarks = &setting.landmarks;
+    problem->target.landmark_weight = 1;
+    problem->target.boundary = &setting.boundary;
+    problem->target.boundary_weight = 1;
+    problem->objective.SetTarget(problem->target);
+    return problem;
   };
   double first = 0;
   for (const Solver solver : solvers) {
@@ -86,6 +95,28 @@ TEST(SolversTest, TheThreeSolversAgree) {
                           testing::EllipsoidCloud(2000, {0.5, 0.42, 0.38}), 0.1, coverage_weight},
                          {std::begin(kAllSolvers), std::end(kAllSolvers)});
   }
+}
+
+TEST(SolversTest, TheThreeSolversAgreeOnLandmarks) {
+  ExpectTheSameMinimum({testing::SphereCage(1, 0.45),
+                        testing::EllipsoidCloud(2000, {0.5, 0.42, 0.38}),
+                        0.1,
+                        0,
+                        {{0, {}, {0.2, 0.3, 0.3}}, {-1, {20, 0.3, 0.3}, {0.1, -0.3, 0.2}}}},
+                       {std::begin(kAllSolvers), std::end(kAllSolvers)});
+}
+
+// A disk, 8 % smaller than the target and turned, over the same plane.
+TEST(SolversTest, TheThreeSolversAgreeOnBoundaries) {
+  const TriangleMesh disk = testing::OpenDisk(3, 0.46), target = testing::OpenDisk(40, 0.5);
+  const auto turn = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  ExpectTheSameMinimum({*ControlMesh::Create(turn * disk.vertices, disk.triangles),
+                        CloudFromMesh(target),
+                        0.1,
+                        0,
+                        {},
+                        BoundaryOfMesh(target, 0.02)},
+                       {std::begin(kAllSolvers), std::end(kAllSolvers)});
 }
 
 TEST(SolversTest, ContinuationEndsInTheSameMinimum) {

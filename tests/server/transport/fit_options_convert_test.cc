@@ -68,6 +68,8 @@ v1::FitOptions UnusualProto() {
   fit.set_kernel_scale(0.375);
   fit.set_coverage_weight(0.875);
   fit.set_coverage_points_per_vertex(33);
+  fit.set_landmark_weight(2.25);
+  fit.set_boundary_weight(0.375);
   fit.set_learning_rate(0.015625);
   fit.set_remove_outliers(false);
   fit.set_repair_normals(false);
@@ -94,6 +96,8 @@ FitOptions Unusual() {
   o.distance = {0.625,          Field::kRimls, Sampling::kArea, 9, 0.25, 0.0625, 3, 0.75, 8,
                 Kernel::kTukey, 0.375};
   o.coverage = {0.875, 33};
+  o.landmarks.weight = 2.25;
+  o.boundary.weight = 0.375;
   o.arap = {0.125, RestMesh::kPreviousFrame};
   o.image = {Views::kTutorial,
              0.03125,
@@ -127,6 +131,8 @@ void ExpectSame(const FitOptions& a, const FitOptions& b) {
   EXPECT_EQ(a.distance.kernel_scale, b.distance.kernel_scale);
   EXPECT_EQ(a.coverage.weight, b.coverage.weight);
   EXPECT_EQ(a.coverage.points_per_vertex, b.coverage.points_per_vertex);
+  EXPECT_EQ(a.landmarks.weight, b.landmarks.weight);
+  EXPECT_EQ(a.boundary.weight, b.boundary.weight);
   EXPECT_EQ(a.arap.weight, b.arap.weight);
   EXPECT_EQ(a.arap.rest, b.arap.rest);
   EXPECT_EQ(a.solver.solver, b.solver.solver);
@@ -267,6 +273,10 @@ constexpr BadValue kBadValues[] = {{"radius", -1, "-1"},
                                    {"kernel_scale", -1, "-1"},
                                    {"coverage_weight", -1, "-1"},
                                    {"coverage_weight", 1e7, "1e+07"},
+                                   {"landmark_weight", -1, "-1"},
+                                   {"landmark_weight", 1e7, "1e+07"},
+                                   {"boundary_weight", -1, "-1"},
+                                   {"boundary_weight", 1e7, "1e+07"},
                                    {"coverage_points_per_vertex", 0, "0"},
                                    {"coverage_points_per_vertex", 1001, "1001"},
                                    {"learning_rate", 0, "0"},

@@ -80,6 +80,40 @@ TEST_F(FrameAssemblerTest, MasksAreStatedInTheHeader) {
   EXPECT_EQ((*added)->frame.stated_masks[0].png_bytes, 2u);
 }
 
+TEST_F(FrameAssemblerTest, LandmarksAreStatedInTheHeader) {
+  v1::FitFramesRequest header = Header(0, 1);
+  v1::Landmark* on_vertex = header.mutable_header()->add_landmarks();
+  on_vertex->set_vertex(7);
+  on_vertex->set_y(2.5);
+  v1::Landmark* on_surface = header.mutable_header()->add_landmarks();
+  on_surface->mutable_surface()->set_triangle(9);
+  on_surface->mutable_surface()->set_v(0.25);
+  AddPart(header);
+  const auto added = Add(Chunk("x"));
+  ASSERT_TRUE(added.ok() && added->has_value());
+  const std::vector<Landmark>& landmarks = (*added)->frame.landmarks;
+  ASSERT_EQ(landmarks.size(), 2u);
+  EXPECT_EQ(landmarks[0].vertex, 7);
+  EXPECT_EQ(landmarks[0].position, Eigen::Vector3d(0, 2.5, 0));
+  EXPECT_EQ(landmarks[1].vertex, -1);
+  EXPECT_EQ(landmarks[1].at.face, 9);
+  EXPECT_EQ(landmarks[1].at.u, 0);
+  EXPECT_EQ(landmarks[1].at.v, 0.25);
+}
+
+TEST_F(FrameAssemblerTest, RefusesLandmarksThatNoMeshHas) {
+  v1::FitFramesRequest nowhere = Header(0, 1);
+  nowhere.mutable_header()->add_landmarks()->set_vertex(1);
+  nowhere.mutable_header()->add_landmarks()->set_x(1);
+  ExpectRefused(nowhere, "INVALID_FIELD", "header.landmarks[1].place");
+  v1::FitFramesRequest beyond = Header(0, 1);
+  beyond.mutable_header()->add_landmarks()->mutable_surface()->set_triangle(1u << 31);
+  ExpectRefused(beyond, "INVALID_FIELD", "header.landmarks[0]");
+  v1::FitFramesRequest many = Header(0, 1);
+  for (int k = 0; k <= kMaxLandmarks; ++k) many.mutable_header()->add_landmarks()->set_vertex(1);
+  ExpectRefused(many, "LIMIT_EXCEEDED", "header.landmarks");
+}
+
 TEST_F(FrameAssemblerTest, TakesOneFrameAfterAnother) {
   for (uint64_t number = 0; number < 3; ++number) {
     AddPart(Header(number, 3));

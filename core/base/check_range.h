@@ -1,6 +1,6 @@
 // Errors of options that are out of range.
-#ifndef CAGEFIT_CORE_FIT_CHECK_RANGE_H_
-#define CAGEFIT_CORE_FIT_CHECK_RANGE_H_
+#ifndef CAGEFIT_CORE_BASE_CHECK_RANGE_H_
+#define CAGEFIT_CORE_BASE_CHECK_RANGE_H_
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
@@ -16,4 +16,4 @@ inline absl::Status CheckRange(const char* field, double value, double least, do
 
 }  // namespace cagefit
 
-#endif  // CAGEFIT_CORE_FIT_CHECK_RANGE_H_
+#endif  // CAGEFIT_CORE_BASE_CHECK_RANGE_H_

@@ -1,6 +1,6 @@
-// One line of COLMAP's text model and errors that name it. Internal to client/io.
-#ifndef CAGEFIT_CLIENT_IO_COLMAP_LINE_H_
-#define CAGEFIT_CLIENT_IO_COLMAP_LINE_H_
+// One line of a text of words, as COLMAP's, and errors that name it.
+#ifndef CAGEFIT_CLIENT_IO_TEXT_LINE_H_
+#define CAGEFIT_CLIENT_IO_TEXT_LINE_H_
 
 #include <cstdint>
 #include <vector>
@@ -11,11 +11,11 @@
 
 namespace cagefit::client {
 
-struct ColmapLine {
+struct TextLine {
   // Moves to the next line that is neither blank nor a comment; false at the end of the text.
   bool Next(TextCursor* cursor);
 
-  // Of the word at `column` (from 0), which must be there; `field` is what COLMAP calls it.
+  // Of the word at `column` (from 0), which must be there; `field` is what the format calls it.
   // INVALID_ARGUMENT for what is no finite number.
   absl::Status ReadDouble(size_t column, absl::string_view field, double* value) const;
   absl::Status ReadInt(size_t column, absl::string_view field, int64_t* value) const;
@@ -33,4 +33,4 @@ struct ColmapLine {
 
 }  // namespace cagefit::client
 
-#endif  // CAGEFIT_CLIENT_IO_COLMAP_LINE_H_
+#endif  // CAGEFIT_CLIENT_IO_TEXT_LINE_H_

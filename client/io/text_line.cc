@@ -1,4 +1,4 @@
-#include "client/io/colmap_line.h"
+#include "client/io/text_line.h"
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ constexpr size_t kQuotedBytes = 60;
 
 }  // namespace
 
-bool ColmapLine::Next(TextCursor* cursor) {
+bool TextLine::Next(TextCursor* cursor) {
   while (cursor->NextLine(&text)) {
     SplitWords(text, "", 0, &words);  // a # further on may belong to an image's name
     if (words.empty() || words[0][0] == '#') continue;
@@ -22,24 +22,24 @@ bool ColmapLine::Next(TextCursor* cursor) {
   return false;
 }
 
-absl::Status ColmapLine::ReadDouble(size_t column, absl::string_view field, double* value) const {
+absl::Status TextLine::ReadDouble(size_t column, absl::string_view field, double* value) const {
   if (ParseDouble(words[column], value) && std::isfinite(*value)) return absl::OkStatus();
   return Wrong(field, words[column], "a finite number");
 }
 
-absl::Status ColmapLine::ReadInt(size_t column, absl::string_view field, int64_t* value) const {
+absl::Status TextLine::ReadInt(size_t column, absl::string_view field, int64_t* value) const {
   if (ParseInt(words[column], value)) return absl::OkStatus();
   return Wrong(field, words[column], "a whole number");
 }
 
-absl::Status ColmapLine::Wrong(absl::string_view field, absl::string_view value,
-                               absl::string_view expected) const {
+absl::Status TextLine::Wrong(absl::string_view field, absl::string_view value,
+                             absl::string_view expected) const {
   return absl::InvalidArgumentError(absl::StrCat(
       "line ", number, ": ", field, " is \"", absl::CEscape(value.substr(0, kQuotedBytes)),
       value.size() > kQuotedBytes ? "...\"" : "\"", "; expected ", expected));
 }
 
-absl::Status ColmapLine::Located(const absl::Status& status) const {
+absl::Status TextLine::Located(const absl::Status& status) const {
   return absl::Status(status.code(), absl::StrCat("line ", number, ": ", status.message()));
 }
 

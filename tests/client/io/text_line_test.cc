@@ -1,4 +1,4 @@
-#include "client/io/colmap_line.h"
+#include "client/io/text_line.h"
 
 #include "absl/status/statusor.h"
 #include "tests/client/io/expect_error.h"
@@ -11,9 +11,9 @@ using ::testing::ElementsAre;
 // EXPECT_INVALID wants what has a status().
 absl::StatusOr<int> Failed(const absl::Status& status) { return status; }
 
-TEST(ColmapLineTest, SkipsBlankLinesAndComments) {
+TEST(TextLineTest, SkipsBlankLinesAndComments) {
   TextCursor cursor("# a\n\n  # b\r\n1 x#2\n\n3");
-  ColmapLine line;
+  TextLine line;
   ASSERT_TRUE(line.Next(&cursor));
   EXPECT_EQ(line.number, 4);
   EXPECT_THAT(line.words, ElementsAre("1", "x#2"));
@@ -22,9 +22,9 @@ TEST(ColmapLineTest, SkipsBlankLinesAndComments) {
   EXPECT_FALSE(line.Next(&cursor));
 }
 
-TEST(ColmapLineTest, ErrorsNameLineFieldAndValue) {
+TEST(TextLineTest, ErrorsNameLineFieldAndValue) {
   TextCursor cursor("\nnan 1e3 12 x");
-  ColmapLine line;
+  TextLine line;
   ASSERT_TRUE(line.Next(&cursor));
   double number = 0;
   int64_t whole = 0;
