@@ -8,9 +8,12 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/commands/command.h"
+#include "client/io/camera_file.h"
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
+#include "client/io/image_file.h"
 #include "client/synth/capture.h"
+#include "client/synth/rig.h"
 #include "core/base/status.h"
 #include "core/codec/draco_codec.h"
 
@@ -20,8 +23,16 @@ namespace {
 struct SynthArguments {
   std::string shape, out, format = "drc";
   CaptureOptions capture;
+  RigOptions rig;
   int position_bits = 14;
 };
+
+absl::Status MakeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (!error) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be made: ", error.message()));
+}
 
 absl::Status WriteFrame(const SynthArguments& arguments, const std::string& path,
                         const PointCloud& cloud) {
@@ -32,16 +43,34 @@ absl::Status WriteFrame(const SynthArguments& arguments, const std::string& path
   return WriteFileBytes(path, bytes);
 }
 
+std::string MaskFolder(const std::string& out, const Camera& camera) {
+  return out + "/masks/" + camera.name;
+}
+
+absl::Status WriteRig(const Rig& rig, const std::string& out) {
+  if (rig.cameras().empty()) return absl::OkStatus();
+  for (const Camera& camera : rig.cameras()) RETURN_IF_ERROR(MakeFolder(MaskFolder(out, camera)));
+  return WriteCameras(out + "/cameras.json", rig.calibrated());
+}
+
+absl::Status WriteMasks(const Rig& rig, const SynthShape& shape, int frame,
+                        const std::string& out) {
+  for (size_t k = 0; k < rig.cameras().size(); ++k) {
+    const std::string path =
+        absl::StrFormat("%s/frame_%04d.png", MaskFolder(out, rig.cameras()[k]), frame);
+    RETURN_IF_ERROR(WritePng(path, rig.Mask(shape, FrameTime(frame), k), 8));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Synthesize(const SynthArguments& arguments) {
   RETURN_IF_ERROR(arguments.capture.Validate());
+  RETURN_IF_ERROR(arguments.rig.Validate());
   ASSIGN_OR_RETURN(const std::unique_ptr<SynthShape> shape,
                    MakeShape(arguments.shape, arguments.capture.seed));
-  std::error_code error;
-  std::filesystem::create_directories(arguments.out + "/truth", error);
-  if (error) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(arguments.out, ": cannot be made: ", error.message()));
-  }
+  RETURN_IF_ERROR(MakeFolder(arguments.out + "/truth"));
+  const Rig rig(*shape, arguments.rig, arguments.capture.seed);
+  RETURN_IF_ERROR(WriteRig(rig, arguments.out));
   for (int frame = 0; frame < arguments.capture.frames; ++frame) {
     const PointCloud cloud = CaptureFrame(*shape, frame, arguments.capture);
     RETURN_IF_ERROR(WriteFrame(
@@ -49,10 +78,15 @@ absl::Status Synthesize(const SynthArguments& arguments) {
         cloud));
     RETURN_IF_ERROR(WriteMesh(absl::StrFormat("%s/truth/frame_%04d.ply", arguments.out, frame),
                               {shape->Vertices(FrameTime(frame)), shape->rest().triangles}));
+    if (rig.TakesMasksOf(frame)) RETURN_IF_ERROR(WriteMasks(rig, *shape, frame, arguments.out));
   }
   std::cout << arguments.out << ": " << arguments.capture.frames << " frames of "
             << arguments.capture.points << " points; the true motion of "
             << shape->rest().vertices.cols() << " vertices is in " << arguments.out << "/truth\n";
+  if (arguments.rig.cameras > 0) {
+    std::cout << "Cameras: " << arguments.out << "/cameras.json; their masks: " << arguments.out
+              << "/masks\n";
+  }
   return absl::OkStatus();
 }
 
@@ -77,6 +111,19 @@ void AddSynthCommand(CLI::App* app, Run* run) {
       ->capture_default_str();
   command->add_option("--outliers", capture->outliers, "Share of the points")
       ->capture_default_str();
+  RigOptions* rig = &arguments->rig;
+  CLI::Option* cameras =
+      command->add_option("--cameras", rig->cameras, "Cameras that take masks, all around")
+          ->capture_default_str();
+  command->add_option("--mask-size", rig->size, "Pixels of each side of a mask")
+      ->capture_default_str()
+      ->needs(cameras);
+  command->add_option("--masks-every", rig->every, "Masks of every so many frames")
+      ->capture_default_str()
+      ->needs(cameras);
+  command->add_option("--camera-error", rig->error, "Pixels that each camera's calibration is off")
+      ->capture_default_str()
+      ->needs(cameras);
   command->add_option("--format", arguments->format, "drc, ply or xyz")
       ->capture_default_str()
       ->check(CLI::IsMember({"drc", "ply", "xyz"}));

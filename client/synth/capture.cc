@@ -1,6 +1,6 @@
 #include "client/synth/capture.h"
 
-#include "absl/strings/str_cat.h"
+#include "core/base/check_range.h"
 #include "core/base/random.h"
 #include "core/base/status.h"
 #include "core/mesh/area_sampler.h"
@@ -11,12 +11,6 @@ namespace {
 // A step is then about 1 % of the diagonal.
 constexpr double kPeriodFrames = 60;
 constexpr double kOutlierBox = 1.2;  // their box, of the shape's
-
-absl::Status CheckRange(const char* name, double value, double least, double most) {
-  if (value >= least && value <= most) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(name, " is ", value, "; it must be from ", least, " to ", most));
-}
 
 }  // namespace
 
