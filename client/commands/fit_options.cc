@@ -155,6 +155,10 @@ void AddImageSettings(v1::FitOptions* fit, CLI::App* command) {
                    [fit](double value) { fit->mutable_image()->set_normal_weight(value); });
   AddValue<uint64_t>(command, "--image-seed", "Of the views that are drawn",
                      [fit](uint64_t value) { fit->mutable_image()->set_seed(value); });
+  AddValue<double>(
+      command, "--image-calibration-error",
+      "Pixels by which a camera's calibration may be off; each fit finds out by how much",
+      [fit](double value) { fit->mutable_image()->set_calibration_error(value); });
 }
 
 void AddDeltaSettings(v1::SessionOptions* options, CLI::App* command) {

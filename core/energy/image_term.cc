@@ -19,6 +19,9 @@ constexpr int64_t kVertexGrain = 2048;
 // Cosine of the angle between ray and normal below which a triangle's depth is too steep to follow.
 constexpr double kLeastFacing = 0.1;
 
+// Of a camera that sees no outline: its principal point stays.
+constexpr double kLeastSlope = 1e-6;
+
 // Mixes numbers into a seed (splitmix64).
 uint64_t Mix(uint64_t a, uint64_t b) {
   uint64_t x = a + 0x9e3779b97f4a7c15 * (b + 1);
@@ -54,6 +57,7 @@ void ImageTerm::SetTarget(const std::vector<ImageTarget>* targets, const ImageWe
   ++evaluation_;
   V_.resize(3, 0);
   views_.resize(is_on_ ? targets->size() : 0);
+  for (size_t k = 0; k < views_.size(); ++k) views_[k].camera = (*targets)[k].camera;
   UseAll();
 }
 
@@ -107,7 +111,7 @@ double ImageTerm::EvaluateView(size_t k) {
   View& view = views_[k];
   const ImageTarget& target = (*targets_)[k];
   view.rendering.Render(
-      Q_, m1_->topology.triangles(), edges_, target.camera, options_,
+      Q_, m1_->topology.triangles(), edges_, view.camera, options_,
       weights_.depth > 0 || weights_.normals > 0 ? Surfaces::kVisible : Surfaces::kHidden);
   double sum = 0;
   if (weights_.silhouette > 0) {
@@ -127,6 +131,47 @@ double ImageTerm::EvaluateView(size_t k) {
   return sum;
 }
 
+void ImageTerm::Calibrate(const Points3d& V) {
+  if (!is_on_ || weights_.silhouette <= 0 || options_.mode != SilhouetteMode::kOutline) return;
+  Evaluate(V);
+  ParallelFor(static_cast<int64_t>(drawn_.size()), 1, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      if ((*targets_)[drawn_[k]].slack > 0) CalibrateView(drawn_[k]);
+    }
+  });
+}
+
+// With the principal point c, dA/dc at a pixel is the sum of by_point over its rows: all edges move
+// alike.
+void ImageTerm::CalibrateView(size_t k) {
+  View& view = views_[k];
+  const ImageTarget& target = (*targets_)[k];
+  view.slopes.assign(target.silhouette.values.size(), Eigen::Vector2d::Zero());
+  for (const OutlineSilhouette::Row& row : view.rendering.outline().rows()) {
+    view.slopes[row.pixel] += row.by_point;
+  }
+  Eigen::Vector2d g = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d H = kLeastSlope * Eigen::Matrix2d::Identity();
+  for (size_t p = 0; p < view.slopes.size(); ++p) {
+    const Eigen::Vector2d& slope = view.slopes[p];
+    if (slope.isZero(0) || (!target.observed.empty() && target.observed.values[p] == 0)) continue;
+    g += double{view.residual.values[p]} * slope;
+    H += slope * slope.transpose();
+  }
+  const Eigen::Vector2d from(view.camera.cx, view.camera.cy),
+      stated(target.camera.cx, target.camera.cy);
+  Eigen::Vector2d offset = from - H.inverse() * g - stated;
+  if (offset.norm() > target.slack) offset *= target.slack / offset.norm();
+  const auto evaluate_at = [&](const Eigen::Vector2d& c) {
+    view.camera.cx = c.x();
+    view.camera.cy = c.y();
+    return EvaluateView(k);
+  };
+  const double before = view.energy;
+  view.energy = evaluate_at(stated + offset);
+  if (!(view.energy < before)) view.energy = evaluate_at(from);
+}
+
 template <typename Body>
 void ImageTerm::ForSurfaceRows(size_t k, const Body& body) const {
   const ImageTarget& target = (*targets_)[k];
@@ -134,7 +179,7 @@ void ImageTerm::ForSurfaceRows(size_t k, const Body& body) const {
   const bool has_normals = weights_.normals > 0 && !target.normals.empty();
   if (!has_depth && !has_normals) return;
   const DepthBuffer& depths = views_[k].rendering.depths();
-  const Camera& camera = target.camera;
+  const Camera& camera = views_[k].camera;
   const Eigen::Vector3d eye = camera.center();
   const Triangles& triangles = m1_->topology.triangles();
   for (int y = 0; y < camera.height; ++y) {
@@ -232,7 +277,7 @@ void ImageTerm::AddBlocks(SurfaceBlocks* blocks) const {
         const auto& [a, b] = edges_.vertices(row.edge);
         const Eigen::Vector3d at = (1 - row.t) * Q_.col(a) + row.t * Q_.col(b);
         const Eigen::Vector3f d =
-            (ProjectionJacobian(target.camera, at).transpose() * row.by_point).cast<float>();
+            (ProjectionJacobian(view.camera, at).transpose() * row.by_point).cast<float>();
         const Eigen::Matrix3f D =
             static_cast<float>(weight * weights_.silhouette * row.share) * d * d.transpose();
         const auto t = static_cast<float>(row.t);

@@ -14,6 +14,11 @@
 //
 //   dz = sum_c b_c n . dQ_c / (n . d),   dn = -sum_c g_c (n . dQ_c),   g_c = grad b_c
 //
+// A camera that is not calibrated to the pixel would bend the surface after its own error. So the
+// principal point of a view may lie up to slack_k pixels beside where its target has it: Calibrate
+// moves it by a step of Gauss and Newton on the two unknowns, where that lowers E_img, and all else
+// holds it.
+//
 // The Gauss-Newton matrix has blocks at vertices and edges of M1 (refined_surface.h): those of A
 // with one direction for both ends of an edge, and, where a pixel hangs on the crossing of two
 // edges, without the block between them and twice those on them, which is more. In PyTorch3D's mode
@@ -61,6 +66,10 @@ class ImageTerm {
   // Whether Draw leaves views out.
   bool draws() const;
 
+  // Takes a step with the principal points of views that have slack, at V (3 x n). With the outline
+  // mode's silhouettes only.
+  void Calibrate(const Points3d& V);
+
   // Energy at V (3 x n).
   double Evaluate(const Points3d& V);
   // Adds half the gradient of the last evaluation (3 x n).
@@ -72,9 +81,11 @@ class ImageTerm {
 
  private:
   struct View {
+    Camera camera;  // the target's, its principal point moved
     MeshView rendering;
-    Image residual;     // o (A - T)
-    Points3d gradient;  // of half the energy by Q, 3 x vertices of M1
+    Image residual;                       // o (A - T)
+    Points3d gradient;                    // of half the energy by Q, 3 x vertices of M1
+    std::vector<Eigen::Vector2d> slopes;  // of A by the principal point, per pixel; for Calibrate
     double energy = 0;
     int64_t evaluation = -1;  // in which residuals and rendering were made
   };
@@ -83,6 +94,7 @@ class ImageTerm {
 
   double Weight(const ImageTarget& target) const;  // 2 / (views pixels)
   double EvaluateView(size_t k);
+  void CalibrateView(size_t k);
   template <typename Body>
   void ForSurfaceRows(size_t k, const Body& body) const;
 

@@ -40,6 +40,7 @@ absl::StatusOr<Minimization> MinimizeAdam(const SolverOptions& options, const Ca
     V->array() -= rate * m.array() / ((share * v.array()).sqrt() + kEpsilon);
 
     objective->DrawViews(out.iterations);
+    if (out.iterations % kAdamWindow == 0) objective->Calibrate(*V);
     energies = objective->AssignSamples(*V, &half_gradient);
     if (out.iterations % kFeetInterval == 0) energies = objective->Assign(*V, &half_gradient);
     if (draws) {

@@ -14,6 +14,7 @@ FitOptions FitOptions::Paper() {
   paper.distance.radius_share = std::sqrt(0.0005);
   paper.distance.first_radius = 1;
   paper.coverage.weight = 0;
+  paper.boundary.weight = 0;
   paper.arap.weight = 0.01;
   paper.solver.solver = Solver::kAdam;
   paper.solver.max_iterations = 1000;

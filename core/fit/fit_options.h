@@ -50,7 +50,7 @@ struct LandmarkOptions {
 
 // Of an open surface (energy/boundary_term.h).
 struct BoundaryOptions {
-  double weight = 0;  // eta, 0 to 1e6
+  double weight = 0.1;  // eta, 0 to 1e6; 0: none
 };
 
 struct ArapOptions {
@@ -87,7 +87,8 @@ struct FitOptions {
   SolverOptions solver;
 
   // The settings of [xie2022]: samples at control vertices, radius sqrt(0.0005) in the unit box,
-  // alpha 0.01, rest mesh the template, Adam, no coverage, no changes to the target.
+  // alpha 0.01, rest mesh the template, Adam, no coverage, no boundary term, no changes to the
+  // target.
   static FitOptions Paper();
 
   // INVALID_ARGUMENT naming the field, its value and its range.

@@ -53,6 +53,7 @@ absl::Status FrameImages::BuildFromMasks(const FrameSource& source,
     if (mask.empty()) continue;
     ASSIGN_OR_RETURN(ImageTarget target,
                      MaskTarget(mask, (*source.cameras)[k], options.size, options.sigma));
+    target.slack = options.calibration_error * target.camera.width / (*source.cameras)[k].width;
     target.camera = InCoordinates(target.camera, normalization.center, normalization.scale);
     targets_.push_back(std::move(target));
   }

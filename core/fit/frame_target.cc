@@ -66,7 +66,9 @@ absl::Status FrameTarget::Build(const PointCloud& user, const Normalization& nor
     target_.covered = &covered_;
   }
   target_.distance_weight = distance.weight;
-  RETURN_IF_ERROR(images_.Build(source, cloud_, index_.spacing(), normalization, options.image));
+  ImageOptions image = options.image;
+  if (distance.weight == 0) image.calibration_error = 0;  // nothing else says where the surface is
+  RETURN_IF_ERROR(images_.Build(source, cloud_, index_.spacing(), normalization, image));
   const double beta =
       options.image.weight.value_or(kImageWeightPerVertex * static_cast<double>(control_vertices));
   target_.images = &images_.targets();

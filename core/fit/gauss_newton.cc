@@ -149,6 +149,8 @@ void Descent::ChooseAnew(bool accepted, bool exhausted, double decrease, double 
   radius_ = std::max(1.0, radius_ / kRadiusFactor);
   SetCoarseness();
   objective_->DrawViews(out_.iterations);
+  // Before that the surface is still where it was, and cameras would take its motion for their own.
+  if (finest) objective_->Calibrate(*V_);
   energies_ = out_.iterations < kMaxAssignments ? objective_->Assign(*V_, &half_gradient_)
                                                 : objective_->AssignFeet(*V_, &half_gradient_);
   stale_ = true;

@@ -28,6 +28,9 @@ struct ImageOptions {
   double blur_radius = SoftSilhouetteOptions().blur_radius;  // of kPytorch3d; 0 to 1
   int faces_per_pixel = 100;                                 // of kPytorch3d; 1 to 1,000
   uint64_t seed = 0;                                         // of the views that are drawn
+  // With kCameras, and a distance beside the images: pixels of a camera by which its principal
+  // point may be off. Each fit finds out by how much. 0 to 100; 0: calibration is exact.
+  double calibration_error = 3;
 
   // INVALID_ARGUMENT naming the field, its value and its range.
   absl::Status Validate() const;

@@ -66,6 +66,12 @@ class Objective {
   // must follow.
   void SetCoarseness(double radius_factor, double kernel_factor, bool is_coarse);
 
+  // Takes a step with cameras whose calibration is not exact (energy/image_term.h) at V (3 x n);
+  // a new choice or evaluation must follow.
+  void Calibrate(const Points3d& V) {
+    if (terms_.images != nullptr) terms_.images->Calibrate(V);
+  }
+
   // Draws the views that take part from the next evaluation or choice on. Nothing where there are
   // no images.
   void DrawViews(int64_t iteration);

@@ -14,6 +14,7 @@ struct ImageTarget {
   Image observed;    // 1 where the silhouette is known, else 0; empty: known everywhere
   Image depth;       // camera z of the visible surface, 0 where unknown; empty: unknown everywhere
   Image normals;     // its unit normal, 3 channels, world axes; 0 and empty likewise
+  double slack = 0;  // pixels by which the camera's principal point may be off
 };
 
 }  // namespace cagefit

@@ -67,7 +67,8 @@ std::vector<Row> Rows(ImageOptions* o) {
           {"faces_per_pixel", &o->faces_per_pixel},
           {"depth_weight", &o->depth_weight},
           {"normal_weight", &o->normal_weight},
-          {"seed", &o->seed}};
+          {"seed", &o->seed},
+          {"calibration_error", &o->calibration_error}};
 }
 
 // On the wire an enumerator has core's number plus one: 0 is "not set".

@@ -59,18 +59,21 @@ std::vector<Frame> LoadSequence(const std::string& name) {
   return frames;
 }
 
-enum class ImagesOf { kMesh, kPoints };
+// What images and boundaries are of.
+enum class KnownBy { kMesh, kPoints };
 
 struct Setting {
   const char* name;
-  double distance_weight, coverage_weight;
+  double distance_weight, coverage_weight, boundary_weight;
   Views views;
 };
-constexpr Setting kSettings[] = {{"distance", 1, 0, Views::kNone},
-                                 {"images", 0, 0, Views::kSphere},
-                                 {"both", 1, 0, Views::kSphere},
-                                 {"distance and coverage", 1, 10, Views::kNone},
-                                 {"all three", 1, 10, Views::kSphere}};
+constexpr Setting kDistance = {"distance", 1, 0, 0, Views::kNone};
+constexpr Setting kImages = {"images", 0, 0, 0, Views::kSphere};
+constexpr Setting kBoth = {"distance, images", 1, 0, 0, Views::kSphere};
+constexpr Setting kBoundary = {"distance, boundary", 1, 0, 0.1, Views::kNone};
+constexpr Setting kBoundaryToo = {"distance, boundary, images", 1, 0, 0.1, Views::kSphere};
+constexpr Setting kDefault = {"default: distance, boundary, coverage", 1, 10, 0.1, Views::kNone};
+constexpr Setting kAll = {"default and images", 1, 10, 0.1, Views::kSphere};
 
 struct Tracking {
   double hausdorff = 0, worst_rms = 0;          // mean and largest over the frames, percent
@@ -79,7 +82,7 @@ struct Tracking {
 };
 
 Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const FitOptions& options,
-               ImagesOf images_of, int stride) {
+               KnownBy known_by, int stride) {
   const LimitMesh limit = BuildLimitMesh(cage.topology(), cage.tags(), kMetricLevels);
   const double diagonal = BoundingBox(frames[0].cloud.points).diagonal();
   const auto normalization = Normalization::FromBox(BoundingBox(frames[0].cloud.points));
@@ -93,7 +96,7 @@ Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const 
     std::vector<Points3d> starts = {V};
     if (before.cols() > 0) starts.push_back(ExtrapolateMotion(before, V, kMomentum));
     FrameSource images;
-    if (images_of == ImagesOf::kMesh) images.mesh = &frame.mesh;
+    if (known_by == KnownBy::kMesh) images.mesh = &frame.mesh;
     Points3d fitted;
     const auto summary =
         fitter->Fit(frame.cloud, starts, nullptr, nullptr, &fitted,
@@ -126,10 +129,10 @@ Tracking Track(const std::vector<Frame>& frames, const ControlMesh& cage, const 
   return out;
 }
 
-void Print(const std::string& sequence, const char* images, const Setting& setting,
+void Print(const std::string& sequence, const char* what, const Setting& setting,
            const Tracking& t) {
   std::printf("| %s | %s | %s | %.3f | %.4f | %.3f | %.3f | %.3f | %.3f |\n", sequence.c_str(),
-              images, setting.name, t.hausdorff, t.worst_rms, t.drift, t.tangential, t.early,
+              what, setting.name, t.hausdorff, t.worst_rms, t.drift, t.tangential, t.early,
               t.shared);
   std::fflush(stdout);
 }
@@ -138,6 +141,7 @@ FitOptions OptionsOf(const Setting& setting) {
   FitOptions options;
   options.distance.weight = setting.distance_weight;
   options.coverage.weight = setting.coverage_weight;
+  options.boundary.weight = setting.boundary_weight;
   options.image.views = setting.views;
   return options;
 }
@@ -150,21 +154,28 @@ void StudySequences() {
     return;
   }
   std::printf(
-      "| sequence | images of | energy | Hausdorff, %% | worst RMS, %% | drift, %% | along the "
+      "| sequence | images, boundary of | energy | Hausdorff, %% | worst RMS, %% | drift, %% | "
+      "along the "
       "surface | first ten | every third frame |\n"
       "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
   for (const std::string name : {"tshirt", "puppet"}) {
     const std::vector<Frame> frames = LoadSequence(name);
     const ControlMesh cage = CageOf(frames[0].truth, kControlVertices);
-    for (const Setting& setting : kSettings) {
-      Print(name, setting.views == Views::kNone ? "" : "meshes", setting,
-            Track(frames, cage, OptionsOf(setting), ImagesOf::kMesh, 1));
+    const auto print = [&](const Setting& setting, KnownBy of, int stride) {
+      const bool is_by_points = setting.views == Views::kNone && setting.boundary_weight == 0;
+      const char* what = is_by_points ? "" : of == KnownBy::kMesh ? "meshes" : "points";
+      Print(stride == 1 ? name : name + ", every third", what, setting,
+            Track(frames, cage, OptionsOf(setting), of, stride));
+    };
+    for (const Setting& setting :
+         {kDistance, kImages, kBoth, kBoundary, kBoundaryToo, kDefault, kAll}) {
+      print(setting, KnownBy::kMesh, 1);
     }
-    for (const Setting& setting : {kSettings[1], kSettings[2], kSettings[4]}) {
-      Print(name, "points", setting, Track(frames, cage, OptionsOf(setting), ImagesOf::kPoints, 1));
+    for (const Setting& setting : {kImages, kBoth, kBoundary, kBoundaryToo, kDefault, kAll}) {
+      print(setting, KnownBy::kPoints, 1);
     }
-    Print(name + ", every third", "meshes", kSettings[4],
-          Track(frames, cage, OptionsOf(kSettings[4]), ImagesOf::kMesh, 3));
+    print(kDefault, KnownBy::kMesh, 3);
+    print(kAll, KnownBy::kMesh, 3);
   }
 }
 

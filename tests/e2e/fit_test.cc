@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "absl/strings/str_cat.h"
 #include "client/io/geometry_file.h"
 #include "tests/e2e/program.h"
 
@@ -66,6 +67,57 @@ TEST(FitEndToEndTest, TheServerInsideGivesTheSameBits) {
   for (const char* frame : {"/frames/0000.obj", "/frames/0001.obj", "/frames/0002.obj"}) {
     EXPECT_EQ(ReadText(inside + frame), ReadText(outside + frame)) << frame;
   }
+}
+
+// Few, noisy points; eight cameras, calibrated 2 pixels off, take masks of every third frame. What
+// the points leave open at the rims is known by masks, or by where the points end.
+TEST(FitEndToEndTest, MasksAndBoundariesKeepATubeFromDrifting) {
+  const std::string capture =
+      Synth("tube", 13, 5'000,
+            {"--noise", "0.003", "--cameras", "8", "--masks-every", "3", "--camera-error", "2"});
+  const auto drift_of = [&](const std::vector<std::string>& more) -> double {
+    const std::string out = EmptyFolder("fit_masks");
+    std::vector<std::string> arguments = {"--vertices", "600", "--truth", capture + "/truth"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult fit = Fit(capture, out, arguments);
+    EXPECT_EQ(fit.exit_code, 0) << fit.err;
+    return ReadJson(out + "/report.json")["total"]["drift"]["mean_percent"];
+  };
+  const std::vector<std::string> masks = {"--cameras", capture + "/cameras.json", "--masks",
+                                          capture + "/masks"};
+  std::vector<std::string> masks_alone = masks;
+  masks_alone.insert(masks_alone.end(), {"--boundary-weight", "0"});
+  const double by_points = drift_of({"--boundary-weight", "0"});
+  EXPECT_LT(drift_of(masks_alone), 0.9 * by_points);
+  EXPECT_LT(drift_of({}), 0.8 * by_points);
+  EXPECT_LT(drift_of(masks), 0.8 * by_points);
+}
+
+TEST(FitEndToEndTest, LandmarksAreReadFromAFile) {
+  const std::string capture = Synth("blob", 2, 5'000), out = EmptyFolder("fit_landmarks");
+  const auto fit = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"--vertices", "200"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Fit(capture, out, arguments);
+  };
+  const auto vertex = [&] {
+    return client::ReadControlMesh(out + "/frames/0001.obj")->vertices().col(5).eval();
+  };
+  ASSERT_EQ(fit({}).exit_code, 0);
+  const Eigen::Vector3d wanted = vertex() + Eigen::Vector3d(0.02, 0, 0);
+  const std::string file = capture + "_landmarks.txt";
+  WriteText(file, absl::StrCat("# control vertex 5\nframe_0001 vertex 5 ", wanted[0], " ",
+                               wanted[1], " ", wanted[2], "\n"));
+  ASSERT_EQ(fit({"--landmarks", file}).exit_code, 0);
+  EXPECT_LT((vertex() - wanted).norm(), 0.01);
+  const auto report = ReadJson(out + "/report.json");
+  EXPECT_EQ(report["frames"][0]["final_energies"]["landmarks"], 0);
+  EXPECT_GT(report["frames"][1]["final_energies"]["landmarks"], 0);
+
+  WriteText(file, "frame_0002 vertex 5 0 0 0\n");
+  const ProgramResult refused = fit({"--landmarks", file});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("_landmarks.txt: line 1: the frame is \"frame_0002\""));
 }
 
 TEST(FitEndToEndTest, ABlobKeepsItsMaterialPoints) {

@@ -90,6 +90,8 @@ std::vector<Flag> Flags() {
       {"--image-faces-per-pixel 50", [](auto* o) { o->mutable_image()->set_faces_per_pixel(50); }},
       {"--image-depth-weight 3", [](auto* o) { o->mutable_image()->set_depth_weight(3); }},
       {"--image-normal-weight 4", [](auto* o) { o->mutable_image()->set_normal_weight(4); }},
+      {"--image-calibration-error 0",
+       [](auto* o) { o->mutable_image()->set_calibration_error(0); }},
       {"--image-seed 18446744073709551615",
        [](auto* o) { o->mutable_image()->set_seed(~uint64_t{0}); }},
   };

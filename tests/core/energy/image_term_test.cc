@@ -266,5 +266,43 @@ TEST(RefinedSurfaceTest, EdgesAreNumberedAsTheRendererNumbersThem) {
   }
 }
 
+// Images of the shape that the cage has, through cameras that are said to be elsewhere.
+TEST(ImageTermTest, FindsByHowMuchACameraIsOff) {
+  Problem problem({1, 0, 0});
+  const Points3d& V = problem.cage.vertices;
+  Points3d Q;
+  ApplyStencils(problem.m1->position, V, &Q);
+  const MeshEdges edges(problem.m1->topology.triangles());
+  for (ImageTarget& target : problem.targets) {
+    MeshView view;
+    view.Render(Q, problem.m1->topology.triangles(), edges, target.camera, {});
+    target.silhouette = view.silhouette();
+    target.camera.cx += 1.5;
+    target.camera.cy -= 1;
+    target.slack = 3;
+  }
+  const auto energy_after = [&](int steps) {
+    problem.term.SetTarget(&problem.targets, {1, 0, 0}, 0);
+    for (int step = 0; step < steps; ++step) problem.term.Calibrate(V);
+    return problem.term.Evaluate(V);
+  };
+  const double exact = energy_after(0);
+  ASSERT_GT(exact, 1e-3);
+  EXPECT_LT(energy_after(1), 0.3 * exact);
+  EXPECT_LT(energy_after(5), 1e-6 * exact);
+  // The gradient is that through the moved cameras: none is left.
+  Points3d half_gradient = Points3d::Zero(3, V.cols()), before = half_gradient;
+  problem.term.AddHalfGradient(&half_gradient);
+  energy_after(0);
+  problem.term.AddHalfGradient(&before);
+  EXPECT_LT(half_gradient.norm(), 1e-2 * before.norm());
+  // No farther than the slack, and not at all without it.
+  for (ImageTarget& target : problem.targets) target.slack = 0.9;
+  const double halfway = energy_after(5);
+  EXPECT_NEAR(halfway / exact, std::pow((std::hypot(1.5, 1) - 0.9) / std::hypot(1.5, 1), 2), 0.1);
+  for (ImageTarget& target : problem.targets) target.slack = 0;
+  EXPECT_EQ(energy_after(5), exact);
+}
+
 }  // namespace
 }  // namespace cagefit

@@ -128,6 +128,7 @@ TEST(ImageFitTest, AdamFitsBySomeViewsAtATime) {
   options.solver.solver = Solver::kAdam;
   options.solver.max_iterations = 300;
   options.solver.learning_rate = 2e-3;
+  options.image.view_count = 20;
   options.image.views_per_iteration = 2;
   options.image.size = 128;
   EXPECT_NEAR(RadiusError(options, images, Cameras()[0], /*most=*/2), 0, 0.3);

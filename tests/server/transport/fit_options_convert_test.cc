@@ -87,6 +87,7 @@ v1::FitOptions UnusualProto() {
   image.set_depth_weight(1.5);
   image.set_normal_weight(2.5);
   image.set_seed(uint64_t{1} << 40);
+  image.set_calibration_error(1.25);
   return fit;
 }
 
@@ -110,7 +111,8 @@ FitOptions Unusual() {
              0.0009765625,
              0.001953125,
              44,
-             uint64_t{1} << 40};
+             uint64_t{1} << 40,
+             1.25};
   o.solver = {Solver::kAdam, 17, 0.5, 2, 0.015625};
   return o;
 }
@@ -152,6 +154,7 @@ void ExpectSame(const FitOptions& a, const FitOptions& b) {
   EXPECT_EQ(a.image.depth_weight, b.image.depth_weight);
   EXPECT_EQ(a.image.normal_weight, b.image.normal_weight);
   EXPECT_EQ(a.image.seed, b.image.seed);
+  EXPECT_EQ(a.image.calibration_error, b.image.calibration_error);
 }
 
 TEST(FitOptionsConvertTest, EveryOptionArrivesAtItsPlace) {
@@ -286,6 +289,8 @@ constexpr BadValue kBadValues[] = {{"radius", -1, "-1"},
                                    {"image.weight", -1, "-1"},
                                    {"image.size", 63, "63"},
                                    {"image.size", 4e9, "2.14748e+09"},
+                                   {"image.calibration_error", -1, "-1"},
+                                   {"image.calibration_error", 101, "101"},
                                    {"image.view_count", 0, "0"},
                                    {"image.view_count", 201, "201"},
                                    {"image.views_per_iteration", 201, "201"},
