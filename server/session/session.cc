@@ -117,6 +117,7 @@ Session::Session(std::shared_ptr<SessionLedger> ledger, TemplateMaker* templates
 absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
                                             const CancelFn& cancelled) {
   RETURN_IF_ERROR(ledger_->CheckEpoch(epoch));
+  RETURN_IF_ERROR(Restore());
   if (stream_epoch_ != epoch) key_needed_ = true;
   stream_epoch_ = epoch;
 
@@ -196,7 +197,8 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
     known.median_rms = Median(ok_rms_);
     known.median_bare_share = Median(ok_bare_);
   }
-  const Judgement judgement = model.Judge(*frame.cloud, step->vertices, known, answer->fit.radius);
+  const Judgement judgement =
+      model.Judge(*frame.cloud, step->state.vertices, known, answer->fit.radius);
   answer->distances = judgement.distances;
   answer->rms_percent = judgement.rms_percent;
   answer->verdict = judgement.verdict;
@@ -232,6 +234,7 @@ absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const Cancel
                                                 StoredFrame* answer) {
   const SessionConfig& config = ledger_->config();
   const double start = clock_();
+  answer->first_box = BoundingBox(frame.cloud->points);
   std::optional<ControlMesh> template_mesh = config.control_mesh;
   if (!template_mesh.has_value()) {
     ASSIGN_OR_RETURN(template_mesh,
@@ -245,7 +248,7 @@ absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const Cancel
   if (config.tolerance.has_value()) {
     ASSIGN_OR_RETURN(template_mesh, RefineTemplate(*template_mesh, frame, cancelled, answer));
   }
-  auto model = SurfaceModel::Create(*template_mesh, *frame.cloud, config);
+  auto model = SurfaceModel::Create(*template_mesh, *answer->first_box, config);
   answer->ms.template_making = clock_() - start;
   return model;
 }
@@ -284,18 +287,19 @@ absl::Status Session::EncodeState(const SurfaceModel& model, const Points3d& fit
     if (!positions.allFinite()) {
       return Diverged(absl::OutOfRangeError("a control vertex does not fit into float32"));
     }
-    step->vertices = positions.cast<double>();
+    step->state.vertices = positions.cast<double>();
     answer->delta = EncodePositions(positions);
     return absl::OkStatus();
   }
   auto q = Quantize(fitted, model.grid());
   if (!q.ok()) return Diverged(q.status());
-  step->q = *std::move(q);
-  step->vertices = Dequantize(step->q, model.grid());
+  step->state.q = *std::move(q);
+  step->state.vertices = Dequantize(step->state.q, model.grid());
   const bool key =
       key_needed_ || !model_.has_value() || fitted_since_key_ + 1 >= config.key_interval;
-  ASSIGN_OR_RETURN(answer->delta, Encode(key ? EncodeKey(step->q) : EncodeDelta(q_, step->q),
-                                         model.grid(), config.delta_encoding));
+  ASSIGN_OR_RETURN(answer->delta,
+                   Encode(key ? EncodeKey(step->state.q) : EncodeDelta(q_, step->state.q),
+                          model.grid(), config.delta_encoding));
   return absl::OkStatus();
 }
 
@@ -306,33 +310,77 @@ absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& 
   const SurfaceModel& model = model_.has_value() ? *model_ : *step.first_model;
   std::optional<ControlMesh> made_template;
   if (answer->made_template) made_template = model.template_mesh();
-  RETURN_IF_ERROR(ledger_->Append(epoch, answer, model.template_mesh().WithVertices(step.vertices),
+  RETURN_IF_ERROR(ledger_->Append(epoch, answer,
+                                  model.template_mesh().WithVertices(step.state.vertices),
                                   std::move(made_template)));
 
   if (step.first_model.has_value()) model_ = std::move(step.first_model);
-  // A LOST surface says nothing about the motion, neither as the last frame nor as the one before.
-  const bool was_lost = lost_;
-  before_ = std::move(vertices_);
-  vertices_ = std::move(step.vertices);
-  q_ = std::move(step.q);
-  verdict_ = answer->verdict;
-  lost_ = answer->verdict == Verdict::kLost;
-  if (lost_ || was_lost) before_.resize(3, 0);
-  if (!lost_) last_good_ = vertices_;
-  if (answer->verdict == Verdict::kOk) {
-    last_ok_ = vertices_;
-    Insert(answer->distances.rms, &ok_rms_);
-    Insert(BareShare(answer->fit), &ok_bare_);
-  }
+  Advance(*answer, std::move(step.state));
   frame_in_memory_ = true;
   fitted_since_key_ = answer->delta.key ? 0 : fitted_since_key_ + 1;
   key_needed_ = false;
   return absl::OkStatus();
 }
 
+void Session::Advance(const StoredFrame& answer, State state) {
+  // A LOST surface says nothing about the motion, neither as the last frame nor as the one before.
+  const bool was_lost = lost_;
+  before_ = std::move(vertices_);
+  vertices_ = std::move(state.vertices);
+  q_ = std::move(state.q);
+  verdict_ = answer.verdict;
+  lost_ = answer.verdict == Verdict::kLost;
+  if (lost_ || was_lost) before_.resize(3, 0);
+  if (!lost_) last_good_ = vertices_;
+  if (answer.verdict == Verdict::kOk) {
+    last_ok_ = vertices_;
+    Insert(answer.distances.rms, &ok_rms_);
+    Insert(BareShare(answer.fit), &ok_bare_);
+  }
+}
+
+absl::Status Session::Restore() {
+  if (model_.has_value() || ledger_->Facts().fitted_frames == 0) return absl::OkStatus();
+  const absl::Status replayed = Replay();
+  if (replayed.ok()) return absl::OkStatus();
+  model_.reset();
+  return absl::DataLossError(
+      absl::StrCat("the stored frames of this session do not replay: ", replayed.message()));
+}
+
+absl::Status Session::Replay() {
+  before_ = vertices_ = last_good_ = last_ok_ = Points3d(3, 0);
+  verdict_ = Verdict::kOk;
+  lost_ = false;
+  ok_rms_.clear();
+  ok_bare_.clear();
+  State state;
+  const uint64_t end = ledger_->Facts().next_sequence_number;
+  for (uint64_t number = 0; number < end; ++number) {
+    const std::shared_ptr<const StoredFrame> answer = ledger_->Find(number);
+    if (answer->outcome != Outcome::kFitted) continue;
+    if (!model_.has_value()) {
+      ASSIGN_OR_RETURN(const ControlMesh template_mesh, ledger_->TemplateMesh());
+      ASSIGN_OR_RETURN(model_,
+                       SurfaceModel::Create(template_mesh, *answer->first_box, ledger_->config()));
+    }
+    const EncodedDelta& delta = answer->delta;
+    if (ledger_->config().quantum == 0) {
+      state.vertices = delta.positions.cast<double>();
+    } else {
+      ASSIGN_OR_RETURN(const VertexDelta decoded, Decode(delta, answer->control_vertices));
+      RETURN_IF_ERROR(ApplyDelta(decoded, &state.q));
+      state.vertices = Dequantize(state.q, delta.grid);
+    }
+    Advance(*answer, state);
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Loss> Session::EvaluateLoss(const Points3d& vertices, const Frame* frame,
                                            const CancelFn& cancelled) try {
   if (frame != nullptr) RETURN_IF_ERROR(frame->cloud.status());
+  RETURN_IF_ERROR(Restore());
   if (!model_.has_value()) {
     if (frame == nullptr) return NoFrame("NO_FRAME_YET", "the session has fitted none yet");
     return FirstLoss(vertices, *frame, cancelled);

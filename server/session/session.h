@@ -28,7 +28,8 @@ struct Loss {
   Points3d gradient;  // 3 x n, 1 / user unit
 };
 
-// One user at a time: through a SessionLease.
+// One user at a time: through a SessionLease. A session that begins with a ledger of fitted frames
+// goes on behind them, with the same bits as the one that fitted them.
 //
 // A fit reads the session's config, its template, the control vertices after the two fitted frames
 // before and after the last frames that were OK and not LOST (as the client has them), the verdicts
@@ -45,7 +46,8 @@ class Session {
   //
   // The next number is fitted, or rejected for good with INVALID_ARGUMENT or INTERNAL in the
   // answer, and stored. An earlier number gets its stored answer. An error leaves the session as it
-  // was, stores nothing and is the end of the stream: ALREADY_EXISTS for an earlier number with
+  // was, stores nothing and is the end of the stream: DATA_LOSS for a ledger that does not replay,
+  // ALREADY_EXISTS for an earlier number with
   // other bytes, OUT_OF_RANGE naming the expected number for a later one, ABORTED when the epoch
   // has passed, CANCELLED, RESOURCE_EXHAUSTED, FAILED_PRECONDITION.
   absl::StatusOr<FrameAnswer> Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled);
@@ -59,12 +61,23 @@ class Session {
                                     const CancelFn& cancelled);
 
  private:
+  // Where the control vertices are after a fitted frame.
+  struct State {
+    Points3d vertices;  // as the client has them
+    GridPoints q;       // the same on the grid
+  };
   // What a fit leaves behind; moved into the session once the answer is stored.
   struct Step {
     std::optional<SurfaceModel> first_model;  // of the first fitted frame
-    Points3d vertices;                        // as the client will have them
-    GridPoints q;
+    State state;
   };
+
+  // Replays the ledger's frames, where this session has seen none of its fitted ones. DATA_LOSS
+  // when they do not replay.
+  absl::Status Restore();
+  absl::Status Replay();
+  // Takes over what later frames read of a fitted one.
+  void Advance(const StoredFrame& answer, State state);
 
   absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
   absl::Status Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer, Step* step);

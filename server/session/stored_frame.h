@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "core/base/types.h"
 #include "core/codec/vertex_delta.h"
 #include "core/fit/fitter.h"
 #include "core/fit/tolerance_fit.h"
@@ -64,6 +65,7 @@ struct StoredFrame {
   int32_t control_vertices = 0;
   bool made_template = false;  // the session's template was made or refined by this frame
   std::optional<ToleranceReport> tolerance;
+  std::optional<Box> first_box;  // of the target's points, with the session's first fitted frame
 
   int64_t StoredBytes() const;
 };

@@ -16,10 +16,8 @@ constexpr double kCoverShareOfDiagonal = 0.01;
 
 }  // namespace
 
-absl::StatusOr<SurfaceModel> SurfaceModel::Create(const ControlMesh& template_mesh,
-                                                  const PointCloud& first_target,
+absl::StatusOr<SurfaceModel> SurfaceModel::Create(const ControlMesh& template_mesh, const Box& box,
                                                   const SessionConfig& config) {
-  const Box box = BoundingBox(first_target.points);
   ASSIGN_OR_RETURN(const Normalization normalization, Normalization::FromBox(box));
   ASSIGN_OR_RETURN(Fitter fitter, Fitter::Create(template_mesh, normalization, config.fit));
   // The middle of the box: int32 reaches equally far on all sides.

@@ -24,10 +24,9 @@ struct Judgement {
 // One user at a time.
 class SurfaceModel {
  public:
-  // Normalisation and grid come from `first_target`'s bounding box. INVALID_ARGUMENT when that box
+  // Normalisation and grid come from the bounding box of the first target. INVALID_ARGUMENT when it
   // is flat to a point, or for a template that the fit cannot use.
-  static absl::StatusOr<SurfaceModel> Create(const ControlMesh& template_mesh,
-                                             const PointCloud& first_target,
+  static absl::StatusOr<SurfaceModel> Create(const ControlMesh& template_mesh, const Box& first_box,
                                              const SessionConfig& config);
 
   const ControlMesh& template_mesh() const { return template_mesh_; }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include "tests/server/session/session_fixture.h"
@@ -264,6 +265,70 @@ TEST(SessionTest, AfterALostFrameTheNextStartsFromTheLastGoodSurface) {
   ASSERT_TRUE(lost.Answer(std::move(back)).ok());
   ASSERT_TRUE(other.Answer(MovingFrame(1)).ok());
   EXPECT_EQ(lost.Vertices(2), other.Vertices(1));
+}
+
+// A frame of each kind: fitted, rejected, LOST, half of the points, and more after them.
+Frame FrameOfEveryKind(uint64_t number) {
+  if (number == 2) return DecodedFrame(number, "no Draco");
+  if (number == 4) return FarFrame(number);
+  Frame frame = MovingFrame(number);
+  if (number == 6) {
+    PointCloud cloud = cagefit::testing::MovingCloud(6);
+    const int64_t half = cloud.size() / 2;
+    cloud.points = cloud.points.leftCols(half).eval();
+    cloud.normals = cloud.normals.leftCols(half).eval();
+    frame = DecodedFrame(number, cagefit::testing::FrameBytes(cloud));
+  }
+  return frame;
+}
+
+TEST(SessionTest, GoesOnBehindAnyFrameOfALedgerWithTheSameBits) {
+  constexpr uint64_t kFrames = 9;
+  for (const double quantum : {1e-5, 0.0}) {
+    SessionConfig config = CageConfig();
+    config.quantum = quantum;
+    config.key_interval = 3;
+    OpenSession undisturbed(config);
+    std::set<Verdict> verdicts;
+    for (uint64_t number = 0; number < kFrames; ++number) {
+      ASSERT_TRUE(undisturbed.Answer(FrameOfEveryKind(number)).ok());
+      verdicts.insert(undisturbed.ledger->Find(number)->verdict);
+    }
+    ASSERT_GE(verdicts.size(), 2u);
+    for (uint64_t cut = 0; cut < kFrames; ++cut) {
+      OpenSession open(config);
+      for (uint64_t number = 0; number < cut; ++number) {
+        ASSERT_TRUE(open.Answer(FrameOfEveryKind(number)).ok());
+      }
+      Session after(open.ledger, &open.templates, testing::NoTime);
+      open.Reopen();
+      for (uint64_t number = cut; number < kFrames; ++number) {
+        const auto answer = after.Answer(FrameOfEveryKind(number), open.epoch, nullptr);
+        ASSERT_TRUE(answer.ok()) << answer.status();
+        const StoredFrame& expected = *undisturbed.ledger->Find(number);
+        EXPECT_EQ(answer->frame->verdict, expected.verdict);
+        EXPECT_EQ(answer->frame->outcome, expected.outcome);
+        if (expected.outcome == Outcome::kRejected) continue;
+        EXPECT_EQ(open.Vertices(number), undisturbed.Vertices(number))
+            << "frame " << number << " after a cut before " << cut;
+      }
+    }
+  }
+}
+
+TEST(SessionTest, ALedgerThatDoesNotReplayIsDataLoss) {
+  OpenSession open(CageConfig());
+  ASSERT_TRUE(open.Answer(MovingFrame(0)).ok());
+  auto broken = std::make_shared<StoredFrame>(*open.ledger->Find(0));
+  broken->sequence_number = 1;
+  broken->delta.checksum ^= 1;
+  ASSERT_TRUE(open.ledger->Append(open.epoch, broken, std::nullopt, std::nullopt).ok());
+  Session after(open.ledger, &open.templates, testing::NoTime);
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const absl::Status status = after.Answer(MovingFrame(2), open.epoch, nullptr).status();
+    EXPECT_TRUE(absl::IsDataLoss(status)) << status;
+  }
+  EXPECT_EQ(open.ledger->Facts().next_sequence_number, 2u);
 }
 
 TEST(SessionTest, SendsAKeyFrameAtEveryKeyInterval) {

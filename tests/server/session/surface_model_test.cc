@@ -25,7 +25,7 @@ class SurfaceModelTest : public ::testing::Test {
   SurfaceModelTest()
       : cloud_(LimitCloud(cage_)),
         diagonal_(BoundingBox(cloud_.points).diagonal()),
-        model_(SurfaceModel::Create(cage_, cloud_, CageConfig()).value()) {}
+        model_(SurfaceModel::Create(cage_, BoundingBox(cloud_.points), CageConfig()).value()) {}
 
   Judgement JudgeMoved(double share_of_diagonal, double median_rms = 0, double h = 0) {
     Points3d vertices = cage_.vertices();
@@ -46,7 +46,7 @@ TEST_F(SurfaceModelTest, TheGridIsTheFirstTargets) {
   cloud.points.row(0).array() += 5;
   SessionConfig config = CageConfig();
   config.quantum = 1e-4;
-  const auto model = SurfaceModel::Create(FrameCage(), cloud, config);
+  const auto model = SurfaceModel::Create(FrameCage(), BoundingBox(cloud.points), config);
   ASSERT_TRUE(model.ok()) << model.status();
   const Box box = BoundingBox(cloud.points);
   EXPECT_TRUE(model->grid().origin.isApprox(0.5 * (box.min + box.max)));
@@ -56,7 +56,7 @@ TEST_F(SurfaceModelTest, TheGridIsTheFirstTargets) {
 TEST_F(SurfaceModelTest, ATargetThatIsOnePointIsRefused) {
   PointCloud cloud = SphereCloud(100, {0, 0, 0});
   cloud.points.setConstant(1);
-  const auto model = SurfaceModel::Create(FrameCage(), cloud, CageConfig());
+  const auto model = SurfaceModel::Create(FrameCage(), BoundingBox(cloud.points), CageConfig());
   EXPECT_TRUE(absl::IsInvalidArgument(model.status())) << model.status();
 }
 
