@@ -32,9 +32,9 @@ BoundaryTerm::BoundaryTerm(const Topology& topology, const CreaseTags& tags) : t
   const std::vector<SurfacePoint> points = BoundaryPoints(topology);
   if (points.empty()) return;
   auto stencils = LimitSurface(topology, tags).Stencils(points, Derivatives::kFirst);
-  position_ = std::move(stencils->position);
-  du_ = std::move(stencils->du);
-  dv_ = std::move(stencils->dv);
+  position_.swap(stencils->position);
+  du_.swap(stencils->du);
+  dv_.swap(stencils->dv);
 }
 
 void BoundaryTerm::SetTarget(const BoundaryCurve* curve, double weight) {

@@ -8,15 +8,11 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
-#include "core/fit/extrapolation.h"
 #include "core/fit/normalization.h"
 #include "server/session/error_detail.h"
 
 namespace cagefit::server {
 namespace {
-
-// What bent goes on bending, a little slower. Where it does not, the fitter takes the other start.
-constexpr double kMomentum = 0.8;
 
 // These answer the frame for good; all other errors leave it unanswered.
 bool Rejects(const absl::Status& status) {
@@ -81,18 +77,6 @@ absl::Status CheckLandmarks(const Frame& frame, const ControlMesh& mesh) {
   return WithDetail(
       absl::InvalidArgumentError(absl::StrCat(frame.header_field, ".", status.message())),
       {"INVALID_FIELD", absl::StrCat(frame.header_field, ".landmarks"), "", ""});
-}
-
-// Of a sorted list that is not empty.
-double Median(const std::vector<double>& sorted) { return sorted[sorted.size() / 2]; }
-
-void Insert(double value, std::vector<double>* sorted) {
-  sorted->insert(std::upper_bound(sorted->begin(), sorted->end(), value), value);
-}
-
-// Samples that the target's points do not surround as densely as elsewhere.
-double BareShare(const FitSummary& fit) {
-  return static_cast<double>(fit.grown_samples + fit.far_samples) / std::max(1, fit.samples);
 }
 
 absl::Status SequenceGap(uint64_t number, uint64_t expected) {
@@ -174,10 +158,8 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   RETURN_IF_ERROR(CheckLandmarks(frame, model.template_mesh()));
   Points3d fitted;
   frame_in_memory_ = false;
-  const bool is_first = !model_.has_value() || (lost_ && last_good_.cols() == 0);
-  auto summary =
-      model.fitter().Fit(*frame.cloud, Starts(model), cancelled, clock_, &fitted,
-                         is_first ? StartKind::kTemplate : StartKind::kEarlierFit, SourceOf(frame));
+  auto summary = model.fitter().Fit(*frame.cloud, track_.Starts(model.template_mesh()), cancelled,
+                                    clock_, &fitted, track_.start_kind(), SourceOf(frame));
   if (absl::IsInternal(summary.status())) return Diverged(summary.status());
   RETURN_IF_ERROR(summary.status());
   answer->fit = *summary;
@@ -191,14 +173,8 @@ absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredF
   answer->ms.encode = measure_start - encode_start;
 
   // What the client will have is measured, not what the solver had before rounding.
-  VerdictInput known;
-  known.bare_share = BareShare(answer->fit);
-  if (!ok_rms_.empty()) {
-    known.median_rms = Median(ok_rms_);
-    known.median_bare_share = Median(ok_bare_);
-  }
-  const Judgement judgement =
-      model.Judge(*frame.cloud, step->state.vertices, known, answer->fit.radius);
+  const Judgement judgement = model.Judge(*frame.cloud, step->state.vertices,
+                                          track_.ExpectationOf(answer->fit), answer->fit.radius);
   answer->distances = judgement.distances;
   answer->rms_percent = judgement.rms_percent;
   answer->verdict = judgement.verdict;
@@ -214,20 +190,6 @@ FrameSource Session::SourceOf(const Frame& frame) const {
   source.landmarks = &frame.landmarks;
   source.frame = frame.sequence_number;
   return source;
-}
-
-std::vector<Points3d> Session::Starts(const SurfaceModel& model) const {
-  if (!model_.has_value()) return {model.template_mesh().vertices()};
-  std::vector<Points3d> starts;
-  if (!lost_) starts.push_back(vertices_);
-  if (!lost_ && before_.cols() > 0) {
-    starts.push_back(ExtrapolateMotion(before_, vertices_, kMomentum));
-  }
-  if (lost_ && last_good_.cols() > 0) starts.push_back(last_good_);
-  // A frame that lacked a part may have bent the surface out of shape.
-  if (verdict_ != Verdict::kOk && last_ok_.cols() > 0) starts.push_back(last_ok_);
-  if (starts.empty()) starts.push_back(model.template_mesh().vertices());
-  return starts;
 }
 
 absl::StatusOr<SurfaceModel> Session::MakeModel(const Frame& frame, const CancelFn& cancelled,
@@ -298,7 +260,7 @@ absl::Status Session::EncodeState(const SurfaceModel& model, const Points3d& fit
   const bool key =
       key_needed_ || !model_.has_value() || fitted_since_key_ + 1 >= config.key_interval;
   ASSIGN_OR_RETURN(answer->delta,
-                   Encode(key ? EncodeKey(step->state.q) : EncodeDelta(q_, step->state.q),
+                   Encode(key ? EncodeKey(step->state.q) : EncodeDelta(track_.q(), step->state.q),
                           model.grid(), config.delta_encoding));
   return absl::OkStatus();
 }
@@ -315,65 +277,26 @@ absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& 
                                   std::move(made_template)));
 
   if (step.first_model.has_value()) model_ = std::move(step.first_model);
-  Advance(*answer, std::move(step.state));
+  track_.Advance(*answer, std::move(step.state));
   frame_in_memory_ = true;
   fitted_since_key_ = answer->delta.key ? 0 : fitted_since_key_ + 1;
   key_needed_ = false;
   return absl::OkStatus();
 }
 
-void Session::Advance(const StoredFrame& answer, State state) {
-  // A LOST surface says nothing about the motion, neither as the last frame nor as the one before.
-  const bool was_lost = lost_;
-  before_ = std::move(vertices_);
-  vertices_ = std::move(state.vertices);
-  q_ = std::move(state.q);
-  verdict_ = answer.verdict;
-  lost_ = answer.verdict == Verdict::kLost;
-  if (lost_ || was_lost) before_.resize(3, 0);
-  if (!lost_) last_good_ = vertices_;
-  if (answer.verdict == Verdict::kOk) {
-    last_ok_ = vertices_;
-    Insert(answer.distances.rms, &ok_rms_);
-    Insert(BareShare(answer.fit), &ok_bare_);
-  }
-}
-
 absl::Status Session::Restore() {
   if (model_.has_value() || ledger_->Facts().fitted_frames == 0) return absl::OkStatus();
-  const absl::Status replayed = Replay();
-  if (replayed.ok()) return absl::OkStatus();
-  model_.reset();
-  return absl::DataLossError(
-      absl::StrCat("the stored frames of this session do not replay: ", replayed.message()));
-}
-
-absl::Status Session::Replay() {
-  before_ = vertices_ = last_good_ = last_ok_ = Points3d(3, 0);
-  verdict_ = Verdict::kOk;
-  lost_ = false;
-  ok_rms_.clear();
-  ok_bare_.clear();
-  State state;
-  const uint64_t end = ledger_->Facts().next_sequence_number;
-  for (uint64_t number = 0; number < end; ++number) {
-    const std::shared_ptr<const StoredFrame> answer = ledger_->Find(number);
-    if (answer->outcome != Outcome::kFitted) continue;
-    if (!model_.has_value()) {
-      ASSIGN_OR_RETURN(const ControlMesh template_mesh, ledger_->TemplateMesh());
-      ASSIGN_OR_RETURN(model_,
-                       SurfaceModel::Create(template_mesh, *answer->first_box, ledger_->config()));
-    }
-    const EncodedDelta& delta = answer->delta;
-    if (ledger_->config().quantum == 0) {
-      state.vertices = delta.positions.cast<double>();
-    } else {
-      ASSIGN_OR_RETURN(const VertexDelta decoded, Decode(delta, answer->control_vertices));
-      RETURN_IF_ERROR(ApplyDelta(decoded, &state.q));
-      state.vertices = Dequantize(state.q, delta.grid);
-    }
-    Advance(*answer, state);
+  auto track = Track::Replay(*ledger_);
+  if (!track.ok()) {
+    return absl::DataLossError(absl::StrCat("the stored frames of this session do not replay: ",
+                                            track.status().message()));
   }
+  uint64_t first = 0;
+  while (ledger_->Find(first)->outcome != Outcome::kFitted) ++first;
+  ASSIGN_OR_RETURN(const ControlMesh template_mesh, ledger_->TemplateMesh());
+  ASSIGN_OR_RETURN(model_, SurfaceModel::Create(template_mesh, *ledger_->Find(first)->first_box,
+                                                ledger_->config()));
+  track_ = *std::move(track);
   return absl::OkStatus();
 }
 
@@ -391,10 +314,11 @@ absl::StatusOr<Loss> Session::EvaluateLoss(const Points3d& vertices, const Frame
   RETURN_IF_ERROR(CheckLossVertices(vertices, model_->template_mesh()));
   if (frame != nullptr) RETURN_IF_ERROR(CheckLandmarks(*frame, model_->template_mesh()));
   Loss loss;
-  ASSIGN_OR_RETURN(loss.energies, NamingTheField(model_->fitter().Evaluate(
-                                      frame != nullptr ? &*frame->cloud : nullptr,
-                                      Starts(*model_).front(), vertices, cancelled, &loss.gradient,
-                                      frame != nullptr ? SourceOf(*frame) : FrameSource())));
+  ASSIGN_OR_RETURN(loss.energies,
+                   NamingTheField(model_->fitter().Evaluate(
+                       frame != nullptr ? &*frame->cloud : nullptr,
+                       track_.Starts(model_->template_mesh()).front(), vertices, cancelled,
+                       &loss.gradient, frame != nullptr ? SourceOf(*frame) : FrameSource())));
   return loss;
 } catch (const std::bad_alloc&) {
   return NoMemory("evaluate this loss");
@@ -415,7 +339,5 @@ absl::StatusOr<Loss> Session::FirstLoss(const Points3d& vertices, const Frame& f
                                                   &loss.gradient, SourceOf(frame))));
   return loss;
 }
-
-double Session::MedianRms() const { return ok_rms_.empty() ? 0 : ok_rms_[ok_rms_.size() / 2]; }
 
 }  // namespace cagefit::server

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/base/cancel.h"
@@ -14,6 +13,7 @@
 #include "server/session/stored_frame.h"
 #include "server/session/surface_model.h"
 #include "server/session/template_maker.h"
+#include "server/session/track.h"
 
 namespace cagefit::server {
 
@@ -61,30 +61,20 @@ class Session {
                                     const CancelFn& cancelled);
 
  private:
-  // Where the control vertices are after a fitted frame.
-  struct State {
-    Points3d vertices;  // as the client has them
-    GridPoints q;       // the same on the grid
-  };
   // What a fit leaves behind; moved into the session once the answer is stored.
   struct Step {
     std::optional<SurfaceModel> first_model;  // of the first fitted frame
-    State state;
+    SurfaceState state;
   };
 
   // Replays the ledger's frames, where this session has seen none of its fitted ones. DATA_LOSS
   // when they do not replay.
   absl::Status Restore();
-  absl::Status Replay();
-  // Takes over what later frames read of a fitted one.
-  void Advance(const StoredFrame& answer, State state);
 
   absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
   absl::Status Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer, Step* step);
   // What the frame holds for the image loss.
   FrameSource SourceOf(const Frame& frame) const;
-  // Where the next fit may begin.
-  std::vector<Points3d> Starts(const SurfaceModel& model) const;
   absl::StatusOr<SurfaceModel> MakeModel(const Frame& frame, const CancelFn& cancelled,
                                          StoredFrame* answer);
   // The template of tolerance mode. From its vertices, the fit that follows is the last one of
@@ -94,7 +84,6 @@ class Session {
   absl::Status EncodeState(const SurfaceModel& model, const Points3d& fitted, StoredFrame* answer,
                            Step* step) const;
   absl::Status Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step);
-  double MedianRms() const;
   // What EvaluateLoss asks before a frame is fitted.
   absl::StatusOr<Loss> FirstLoss(const Points3d& vertices, const Frame& frame,
                                  const CancelFn& cancelled) const;
@@ -105,14 +94,7 @@ class Session {
 
   std::optional<SurfaceModel> model_;  // empty until a frame is fitted
   bool frame_in_memory_ = false;       // the model's fitter still has the frame fitted last
-  Points3d vertices_;                  // 3 x n after the last fitted frame, as the client has them
-  Points3d before_;                    // after the fitted frame before that, or 3 x 0
-  GridPoints q_;                       // vertices_ on the grid
-  Points3d last_good_;                 // after the last frame that was not LOST, or 3 x 0
-  Points3d last_ok_;                   // after the last frame that was OK, or 3 x 0
-  Verdict verdict_ = Verdict::kOk;     // of the last fitted frame
-  bool lost_ = false;                  // the last fitted frame was LOST
-  std::vector<double> ok_rms_, ok_bare_;  // of the frames judged OK, sorted: RMS, bare share
+  Track track_;                        // of the fitted frames
 
   uint64_t stream_epoch_ = 0;
   bool key_needed_ = true;  // the client may not know q_
