@@ -1,9 +1,8 @@
 // Landmarks of a sequence, from a text:
 //
-//   FRAME vertex J X Y Z          control vertex J is at X Y Z
-//   FRAME surface F U V X Y Z     the surface's point with weights 1 - U - V, U, V of the corners
-//   of
-//                                 triangle F is at X Y Z
+//   FRAME vertex J X Y Z       control vertex J is at X Y Z
+//   FRAME surface F U V X Y Z  the place of the surface with weights 1 - U - V, U, V of the corners
+//                              of triangle F is there
 //
 // FRAME is the name of the frame's file without its ending; J and F count from 0, as files of the
 // control mesh have them. # begins a comment line.

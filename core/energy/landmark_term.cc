@@ -41,7 +41,7 @@ absl::Status CheckLandmarks(const std::vector<Landmark>& landmarks, int64_t vert
   return absl::OkStatus();
 }
 
-void LandmarkTerm::SetTarget(const std::vector<Landmark>& landmarks, double weight) {
+void LandmarkTerm::SetTarget(absl::Span<const Landmark> landmarks, double weight) {
   if (landmarks.empty() || weight <= 0) {
     attachments_.Clear();
     places_.clear();
@@ -50,7 +50,7 @@ void LandmarkTerm::SetTarget(const std::vector<Landmark>& landmarks, double weig
   if (!std::equal(landmarks.begin(), landmarks.end(), places_.begin(), places_.end(),
                   IsSamePlace)) {
     attachments_.rows = Rows(landmarks);
-    places_ = landmarks;
+    places_.assign(landmarks.begin(), landmarks.end());
   }
   const auto L = static_cast<int64_t>(landmarks.size());
   const double share = weight * static_cast<double>(topology_.vertex_count()) / L;
@@ -59,7 +59,7 @@ void LandmarkTerm::SetTarget(const std::vector<Landmark>& landmarks, double weig
   for (int64_t l = 0; l < L; ++l) attachments_.targets.col(l) = landmarks[l].position;
 }
 
-StencilMatrix LandmarkTerm::Rows(const std::vector<Landmark>& landmarks) {
+StencilMatrix LandmarkTerm::Rows(absl::Span<const Landmark> landmarks) {
   std::vector<SurfacePoint> points;
   for (const Landmark& landmark : landmarks) {
     if (landmark.vertex < 0) points.push_back(landmark.at);

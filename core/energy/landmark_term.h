@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/types/span.h"
 #include "core/energy/attachments.h"
 #include "core/mesh/control_mesh.h"
 #include "core/subdiv/limit_surface.h"
@@ -38,11 +39,11 @@ class LandmarkTerm {
 
   // `landmarks` must pass CheckLandmarks. `weight` is delta; with 0, or no landmarks, there are no
   // attachments.
-  void SetTarget(const std::vector<Landmark>& landmarks, double weight);
+  void SetTarget(absl::Span<const Landmark> landmarks, double weight);
   const Attachments& attachments() const { return attachments_; }
 
  private:
-  StencilMatrix Rows(const std::vector<Landmark>& landmarks);
+  StencilMatrix Rows(absl::Span<const Landmark> landmarks);
 
   Topology topology_;
   CreaseTags tags_;

@@ -78,6 +78,12 @@ Objective MakeObjective(const ControlMesh& mesh, StencilMatrix samples, const Fi
   return Objective(mesh.topology(), std::move(samples), 0, std::move(terms));
 }
 
+// A closed surface has no boundary to be drawn, so none is sought in its frames.
+FitOptions OptionsFor(const ControlMesh& mesh, FitOptions options) {
+  if (mesh.topology().BoundaryLoops().empty()) options.boundary.weight = 0;
+  return options;
+}
+
 }  // namespace
 
 absl::StatusOr<StencilMatrix> FitSamples(const ControlMesh& template_mesh,
@@ -232,7 +238,8 @@ absl::StatusOr<Fitter> Fitter::Create(const ControlMesh& template_mesh,
                                       const FitOptions& options) {
   RETURN_IF_ERROR(options.Validate());
   ASSIGN_OR_RETURN(StencilMatrix samples, FitSamples(template_mesh, options.distance));
-  return Fitter(std::make_unique<State>(template_mesh, std::move(samples), normalization, options));
+  return Fitter(std::make_unique<State>(template_mesh, std::move(samples), normalization,
+                                        OptionsFor(template_mesh, options)));
 }
 
 Fitter::Fitter(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -127,7 +127,7 @@ void FrameTarget::PlaceLandmarks(const FrameSource& source, const Normalization&
   for (Landmark& landmark : landmarks_) {
     landmark.position = normalization.ToUnit(Points3d(landmark.position));
   }
-  target_.landmarks = &landmarks_;
+  target_.landmarks = landmarks_;
 }
 
 void FrameTarget::TraceBoundary(const FrameSource& source, const Normalization& normalization) {

@@ -61,10 +61,8 @@ void Objective::SetTarget(const ObjectiveTarget& target) {
   }
   if (terms_.images != nullptr)
     terms_.images->SetTarget(target.images, target.image_weights, target.frame);
-  static const std::vector<Landmark> kNoLandmarks;
   if (terms_.landmarks != nullptr) {
-    terms_.landmarks->SetTarget(target.landmarks != nullptr ? *target.landmarks : kNoLandmarks,
-                                target.landmark_weight);
+    terms_.landmarks->SetTarget(target.landmarks, target.landmark_weight);
   }
   if (terms_.boundary != nullptr) {
     terms_.boundary->SetTarget(target.boundary, target.boundary_weight);
@@ -73,8 +71,8 @@ void Objective::SetTarget(const ObjectiveTarget& target) {
   residuals_.clear();
 }
 
-std::vector<const Attachments*> Objective::attachments() const {
-  std::vector<const Attachments*> all;
+absl::InlinedVector<const Attachments*, 2> Objective::attachments() const {
+  absl::InlinedVector<const Attachments*, 2> all;
   if (terms_.landmarks != nullptr) all.push_back(&terms_.landmarks->attachments());
   if (terms_.boundary != nullptr) all.push_back(&terms_.boundary->attachments());
   return all;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "absl/container/inlined_vector.h"
 #include "core/energy/arap_term.h"
 #include "core/energy/attachments.h"
 #include "core/energy/boundary_term.h"
@@ -30,11 +31,11 @@ struct ObjectiveTarget {
   double distance_weight = 1;           // of E_dist; 0: none
   const std::vector<ImageTarget>* images = nullptr;  // outlive the objective's use of them
   ImageWeights image_weights;
-  uint64_t frame = 0;                                // what views are drawn by
-  const std::vector<Landmark>* landmarks = nullptr;  // null: none
-  double landmark_weight = 0;                        // delta
-  const BoundaryCurve* boundary = nullptr;           // outlives the objective's use of it
-  double boundary_weight = 0;                        // eta; 0: none, as without a boundary term
+  uint64_t frame = 0;                       // what views are drawn by
+  absl::Span<const Landmark> landmarks;     // outlives SetTarget
+  double landmark_weight = 0;               // delta
+  const BoundaryCurve* boundary = nullptr;  // outlives the objective's use of it
+  double boundary_weight = 0;               // eta; 0: none, as without a boundary term
 };
 
 // Terms that not every objective has; each may be null.
@@ -104,7 +105,7 @@ class Objective {
   const CoverageTerm* coverage() const { return terms_.coverage.get(); }  // null: there is none
   const ImageTerm* images() const { return terms_.images.get(); }         // null: there is none
   // What landmarks and boundary come to: sets of attachments, some of them without rows.
-  std::vector<const Attachments*> attachments() const;
+  absl::InlinedVector<const Attachments*, 2> attachments() const;
   // Whether something was chosen that a step may leave behind: feet, or places on the boundary.
   bool has_feet() const;
   double arap_weight() const { return arap_weight_; }  // alpha

@@ -72,7 +72,7 @@ TEST(ObjectiveTest, GradientOfAllTermsTogetherAgreesWithFiniteDifferencesOnACrea
         target.kernel = {kernel, 0.05};
         target.covered = &cloud;
         target.coverage_weight = 3;
-        target.landmarks = &landmarks;
+        target.landmarks = landmarks;
         target.landmark_weight = 2;
         objective.SetTarget(target);
         objective.SetRest(cage.vertices());

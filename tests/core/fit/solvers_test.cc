@@ -61,7 +61,7 @@ void ExpectTheSameMinimum(const Setting& setting, const std::vector<Solver>& sol
   const auto make_problem = [&] {
     auto problem = std::make_unique<testing::FitProblem>(setting.cage, setting.cloud, 0.05,
                                                          setting.radius, setting.coverage_weight);
-    problem->target.landmarks = &setting.landmarks;
+    problem->target.landmarks = setting.landmarks;
     problem->target.landmark_weight = 1;
     problem->target.boundary = &setting.boundary;
     problem->target.boundary_weight = 1;

@@ -73,7 +73,7 @@ TEST(StepSystemTest, SolvesTheNormalEquationsOfTheCeresCosts) {
   const Points3d V = problem.cage.vertices();
   const std::vector<Landmark> landmarks = {
       {7, {}, 1.05 * V.col(7)}, {-1, {5, 0.2, 0.3}, 0.9 * V.col(problem.cage.triangles()(0, 5))}};
-  problem.target.landmarks = &landmarks;
+  problem.target.landmarks = landmarks;
   problem.target.landmark_weight = 1;
   problem.objective.SetTarget(problem.target);
   Points3d half_gradient, step;
