@@ -33,7 +33,7 @@ if [ ${#inputs[@]} -eq 0 ]; then
   inputs=("$out/capture")
 fi
 
-"$bin/cagefitd" --listen 127.0.0.1:0 >"$out/cagefitd.address" 2>"$out/cagefitd.log" &
+"$bin/cagefitd" --listen 127.0.0.1:0 --store "sqlite:$out/sessions.db" >"$out/cagefitd.address" 2>"$out/cagefitd.log" &
 server=$!
 trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null || true' EXIT
 for _ in $(seq 100); do

@@ -18,7 +18,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "core/base/status.h"
+#include "server/housekeeping.h"
 #include "server/session/template_process.h"
+#include "server/store/open_journal.h"
+#include "server/transport/record_convert.h"
 #include "server/transport/service.h"
 
 namespace cagefit::server {
@@ -102,24 +105,43 @@ std::string WithPort(const std::string& address, int port) {
 }  // namespace
 
 struct Server::Parts {
-  Parts(const ServerOptions& options, std::shared_ptr<spdlog::logger> log)
+  Parts(const ServerOptions& options, std::unique_ptr<Journal> journal_of_options,
+        std::shared_ptr<spdlog::logger> log)
       : threads(tbb::global_control::max_allowed_parallelism, Threads(options)),
         templates(TemplateProgram(options),
                   {TemplateMemoryBytes(options), absl::Seconds(options.template_seconds)}),
-        store(StoreLimits(options), &templates, Milliseconds),
+        journal(std::move(journal_of_options)),
+        store(StoreLimits(options), journal.get(), &templates, Milliseconds),
         budget(options.max_buffered_mib << 20),
         streams(options.max_streams),
         service({&store, &scheduler.emplace(SchedulerOptions(options)), &budget, &streams,
                  Milliseconds, std::move(log)}) {}
 
+  void KeepHouse(const ServerOptions& options, std::shared_ptr<spdlog::logger> log) {
+    Housekeeping::Options housekeeping_options;
+    if (options.session_ttl_seconds > 0) {
+      housekeeping_options.time_to_live = absl::Seconds(options.session_ttl_seconds);
+    }
+    housekeeping.emplace(
+        housekeeping_options, journal.get(), &store,
+        [this](const absl::Status& status) {
+          if (!streams.CheckServing().ok()) return;
+          network->GetHealthCheckService()->SetServingStatus(v1::Fitting::service_full_name(),
+                                                             status.ok());
+        },
+        std::move(log));
+  }
+
   tbb::global_control threads;
   TemplateProcess templates;
+  std::unique_ptr<Journal> journal;
   SessionStore store;
   ByteBudget budget;
   StreamRegistry streams;
   std::optional<Scheduler> scheduler;  // ends before the network does its last call
   FittingService service;
   std::unique_ptr<grpc::Server> network;
+  std::optional<Housekeeping> housekeeping;
   std::vector<std::string> addresses;
   std::once_flag shut_down;
 };
@@ -132,7 +154,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   });
-  auto parts = std::make_unique<Parts>(options, std::move(log));
+  static const ProtoRecordCodec* const codec = new ProtoRecordCodec;
+  ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(options.store, codec));
+  auto parts = std::make_unique<Parts>(options, std::move(journal), log);
   grpc::ServerBuilder builder;
   Configure(&builder);
   builder.RegisterService(&parts->service);
@@ -149,7 +173,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
     }
     parts->addresses.push_back(WithPort(options.listen[k], ports[k]));
   }
-  parts->network->GetHealthCheckService()->SetServingStatus(v1::Fitting::service_full_name(), true);
+  parts->KeepHouse(options, std::move(log));
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }
 
@@ -165,6 +189,7 @@ void Server::Shutdown(absl::Duration drain) {
     parts_->streams.DrainAll();
     parts_->network->Shutdown(absl::ToChronoTime(absl::Now() + drain));
     parts_->scheduler.reset();
+    parts_->housekeeping.reset();
   });
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <set>
@@ -34,6 +35,7 @@ absl::Status CheckRange(const char* field, double value, double least, double mo
 }
 
 std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
+  o->store = DefaultStore();
   auto app = std::make_unique<CLI::App>(
       "Fits subdivision surfaces to streams of point clouds: the Cagefit server.", "cagefitd");
   app->set_version_flag("--version", "cagefitd " CAGEFIT_VERSION);
@@ -43,6 +45,11 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
       "Every option is also read from CAGEFITD_NAME, as in CAGEFITD_MAX_POINTS (lists separated by "
       "commas).\nA flag counts more than a variable, a variable more than the file.");
   app->add_option("--listen", o->listen, "HOST:PORT (port 0: any free one) or unix:PATH; repeat")
+      ->capture_default_str();
+  app->add_option("--store", o->store, "Where sessions are kept: memory, or sqlite:PATH")
+      ->capture_default_str();
+  app->add_option("--session-ttl-seconds", o->session_ttl_seconds,
+                  "Sessions that nobody uses for so long are deleted; 0: never")
       ->capture_default_str();
   app->add_option("--template-program", o->template_program,
                   "Program that makes templates; default: cagefit beside this one");
@@ -139,6 +146,11 @@ int Fail(const std::string& message) {
 
 absl::Status ServerOptions::Validate() const {
   if (listen.empty()) return absl::InvalidArgumentError("--listen is empty; expected an address");
+  if (store != "memory" && !(absl::StartsWith(store, "sqlite:") && store.size() > 7)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--store is ", store, "; expected memory or sqlite:PATH"));
+  }
+  RETURN_IF_ERROR(CheckRange("session-ttl-seconds", session_ttl_seconds, 0, 1e9));
   RETURN_IF_ERROR(CheckRange("template-memory-mib", template_memory_mib, 64, 1 << 20));
   RETURN_IF_ERROR(CheckRange("template-seconds", template_seconds, 1, 86'400));
   RETURN_IF_ERROR(CheckRange("max-frame-mib", max_frame_mib, 1, 1024));
@@ -157,6 +169,22 @@ absl::Status ServerOptions::Validate() const {
         absl::StrCat("--log-level is ", log_level, "; expected ", absl::StrJoin(kLogLevels, ", ")));
   }
   return absl::OkStatus();
+}
+
+std::string DefaultStore() {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value == nullptr ? "" : value);
+  };
+  std::string folder = "/var/lib/cagefit";
+  if (const std::string state = variable("STATE_DIRECTORY"); !state.empty()) {
+    folder = state;
+  } else if (const std::string xdg = variable("XDG_STATE_HOME"); !xdg.empty()) {
+    folder = absl::StrCat(xdg, "/cagefit");
+  } else if (const std::string home = variable("HOME"); geteuid() != 0 && !home.empty()) {
+    folder = absl::StrCat(home, "/.local/state/cagefit");
+  }
+  return absl::StrCat("sqlite:", folder, "/sessions.db");
 }
 
 ParsedServerOptions ParseServerOptions(int argc, const char* const* argv) {

@@ -14,6 +14,11 @@ namespace cagefit::server {
 struct ServerOptions {
   std::vector<std::string> listen = {"127.0.0.1:50051"};  // HOST:PORT, port 0: any; unix:PATH
 
+  // Where sessions are kept: "memory", or "sqlite:PATH" for a file that survives the process. What
+  // ParseServerOptions gives without a setting is a file in the user's folder of program data.
+  std::string store = "memory";
+  double session_ttl_seconds = 7 * 86'400;  // of sessions that nobody uses; 0: for ever, to 1e9
+
   // Templates are made by this program; empty: "cagefit" beside this one.
   std::string template_program;
   int64_t template_memory_mib = 8192;  // of its address space; 64 to 1,048,576
@@ -39,6 +44,10 @@ struct ServerOptions {
   // INVALID_ARGUMENT naming field, value and range.
   absl::Status Validate() const;
 };
+
+// sqlite: and sessions.db in $STATE_DIRECTORY (which systemd sets), $XDG_STATE_HOME/cagefit,
+// /var/lib/cagefit for root, or ~/.local/state/cagefit.
+std::string DefaultStore();
 
 struct ParsedServerOptions {
   ServerOptions options;

@@ -1,7 +1,5 @@
 #include "core/codec/vertex_delta.h"
 
-#include <isa-l/crc.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/codec/crc32c.h"
 
 namespace cagefit {
 namespace {
@@ -56,18 +55,7 @@ Points3d Dequantize(const GridPoints& q, const VertexGrid& grid) {
 }
 
 uint32_t Checksum(const GridPoints& q) {
-  // The library's length is an int, so long arrays go in pieces.
-  constexpr size_t kPiece = size_t{1} << 30;
-  auto* bytes = reinterpret_cast<unsigned char*>(const_cast<int32_t*>(q.data()));
-  size_t left = static_cast<size_t>(q.size()) * sizeof(int32_t);
-  uint32_t crc = ~uint32_t{0};
-  while (left > 0) {
-    const size_t piece = std::min(left, kPiece);
-    crc = crc32_iscsi(bytes, static_cast<int>(piece), crc);
-    bytes += piece;
-    left -= piece;
-  }
-  return ~crc;
+  return Crc32c({reinterpret_cast<const char*>(q.data()), q.size() * sizeof(int32_t)});
 }
 
 VertexDelta EncodeKey(const GridPoints& q) { return {/*key=*/true, q, Checksum(q)}; }

@@ -79,6 +79,23 @@ absl::Status CheckLandmarks(const Frame& frame, const ControlMesh& mesh) {
       {"INVALID_FIELD", absl::StrCat(frame.header_field, ".landmarks"), "", ""});
 }
 
+absl::Status PoisonFrame(uint64_t number) {
+  return WithDetail(absl::InternalError(absl::StrCat("poison frame: the fit of frame ", number,
+                                                     " was begun ", Session::kMostBegun,
+                                                     " times, and the server did not survive it")),
+                    {"POISON_FRAME", "header.sequence_number", absl::StrCat(number), ""});
+}
+
+// Of the target that fixed the session's normalisation and grid.
+absl::StatusOr<Box> FirstBox(const SessionLedger& ledger) {
+  const uint64_t end = ledger.Facts().next_sequence_number;
+  for (uint64_t number = 0; number < end; ++number) {
+    ASSIGN_OR_RETURN(const std::shared_ptr<const StoredFrame> answer, ledger.Find(number));
+    if (answer != nullptr && answer->first_box.has_value()) return *answer->first_box;
+  }
+  return absl::DataLossError("no stored frame has the box of the first target");
+}
+
 absl::Status SequenceGap(uint64_t number, uint64_t expected) {
   return WithDetail(
       absl::OutOfRangeError(
@@ -110,13 +127,29 @@ absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
   if (frame.sequence_number > expected) return SequenceGap(frame.sequence_number, expected);
   RETURN_IF_ERROR(ledger_->CheckRoom());
 
+  ASSIGN_OR_RETURN(const int begun, ledger_->Begin(epoch));
+  Step step;
+  auto answer = AnswerNext(frame, begun, cancelled, &step);
+  if (!answer.ok()) {
+    // What is the end of the stream here has not harmed the process. Where even that cannot be
+    // written, the frame has one try less.
+    ledger_->Abandon(expected).IgnoreError();
+    return answer.status();
+  }
+  RETURN_IF_ERROR(Store(epoch, *answer, std::move(step)));
+  return FrameAnswer{*std::move(answer)};
+}
+
+absl::StatusOr<std::shared_ptr<StoredFrame>> Session::AnswerNext(const Frame& frame, int begun,
+                                                                 const CancelFn& cancelled,
+                                                                 Step* step) {
   const StoredFrame unanswered = Unanswered(frame);
   auto answer = std::make_shared<StoredFrame>(unanswered);
   answer->outcome = Outcome::kFitted;
-  Step step;
   absl::Status fitted;
   try {
-    fitted = Fit(frame, cancelled, answer.get(), &step);
+    fitted = begun > kMostBegun ? PoisonFrame(frame.sequence_number)
+                                : Fit(frame, cancelled, answer.get(), step);
   } catch (const std::bad_alloc&) {
     fitted = NoMemory("fit this frame");
   }
@@ -127,12 +160,11 @@ absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
   } else {
     RETURN_IF_ERROR(fitted);
   }
-  RETURN_IF_ERROR(Store(epoch, answer, std::move(step)));
-  return FrameAnswer{std::move(answer)};
+  return answer;
 }
 
 absl::StatusOr<FrameAnswer> Session::Repeat(const Frame& frame) {
-  std::shared_ptr<const StoredFrame> stored = ledger_->Find(frame.sequence_number);
+  ASSIGN_OR_RETURN(std::shared_ptr<const StoredFrame> stored, ledger_->Find(frame.sequence_number));
   if (stored->digest != frame.digest) return OtherBytes(frame.sequence_number);
   if (stored->outcome == Outcome::kRejected || ledger_->config().quantum == 0) {
     return FrameAnswer{std::move(stored), /*repeated=*/true};
@@ -140,10 +172,10 @@ absl::StatusOr<FrameAnswer> Session::Repeat(const Frame& frame) {
   // Who asks again may not know the state before that frame, and does not know the latest one
   // afterwards: this answer and the next new one are key frames.
   key_needed_ = true;
-  ASSIGN_OR_RETURN(const GridPoints q, ledger_->GridPointsOfFrame(frame.sequence_number));
+  ASSIGN_OR_RETURN(const SurfaceState state, ledger_->StateOfFrame(frame.sequence_number));
   auto keyed = std::make_shared<StoredFrame>(*stored);
-  ASSIGN_OR_RETURN(keyed->delta,
-                   Encode(EncodeKey(q), stored->delta.grid, ledger_->config().delta_encoding));
+  ASSIGN_OR_RETURN(keyed->delta, Encode(EncodeKey(state.q), stored->delta.grid,
+                                        ledger_->config().delta_encoding));
   return FrameAnswer{std::move(keyed), /*repeated=*/true};
 }
 
@@ -267,14 +299,12 @@ absl::Status Session::EncodeState(const SurfaceModel& model, const Points3d& fit
 
 absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step) {
   if (answer->outcome == Outcome::kRejected) {
-    return ledger_->Append(epoch, answer, std::nullopt, std::nullopt);
+    return ledger_->Append(epoch, answer, std::nullopt);
   }
   const SurfaceModel& model = model_.has_value() ? *model_ : *step.first_model;
   std::optional<ControlMesh> made_template;
   if (answer->made_template) made_template = model.template_mesh();
-  RETURN_IF_ERROR(ledger_->Append(epoch, answer,
-                                  model.template_mesh().WithVertices(step.state.vertices),
-                                  std::move(made_template)));
+  RETURN_IF_ERROR(ledger_->Append(epoch, answer, std::move(made_template)));
 
   if (step.first_model.has_value()) model_ = std::move(step.first_model);
   track_.Advance(*answer, std::move(step.state));
@@ -288,14 +318,13 @@ absl::Status Session::Restore() {
   if (model_.has_value() || ledger_->Facts().fitted_frames == 0) return absl::OkStatus();
   auto track = Track::Replay(*ledger_);
   if (!track.ok()) {
+    if (absl::IsUnavailable(track.status())) return track.status();
     return absl::DataLossError(absl::StrCat("the stored frames of this session do not replay: ",
                                             track.status().message()));
   }
-  uint64_t first = 0;
-  while (ledger_->Find(first)->outcome != Outcome::kFitted) ++first;
+  ASSIGN_OR_RETURN(const Box first_box, FirstBox(*ledger_));
   ASSIGN_OR_RETURN(const ControlMesh template_mesh, ledger_->TemplateMesh());
-  ASSIGN_OR_RETURN(model_, SurfaceModel::Create(template_mesh, *ledger_->Find(first)->first_box,
-                                                ledger_->config()));
+  ASSIGN_OR_RETURN(model_, SurfaceModel::Create(template_mesh, first_box, ledger_->config()));
   track_ = *std::move(track);
   return absl::OkStatus();
 }

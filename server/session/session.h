@@ -45,12 +45,15 @@ class Session {
   // Answers a decoded frame that came by the stream of `epoch`.
   //
   // The next number is fitted, or rejected for good with INVALID_ARGUMENT or INTERNAL in the
-  // answer, and stored. An earlier number gets its stored answer. An error leaves the session as it
-  // was, stores nothing and is the end of the stream: DATA_LOSS for a ledger that does not replay,
-  // ALREADY_EXISTS for an earlier number with
+  // answer, and stored. One whose fit was begun kMostBegun times, and each time took the process
+  // down with it, is rejected as well: INTERNAL, reason POISON_FRAME. An earlier number gets its
+  // stored answer. An error leaves the session as it was, stores nothing and is the end of the
+  // stream: DATA_LOSS for a ledger that does not replay, ALREADY_EXISTS for an earlier number with
   // other bytes, OUT_OF_RANGE naming the expected number for a later one, ABORTED when the epoch
-  // has passed, CANCELLED, RESOURCE_EXHAUSTED, FAILED_PRECONDITION.
+  // has passed, UNAVAILABLE when the journal cannot be read or written, CANCELLED,
+  // RESOURCE_EXHAUSTED, FAILED_PRECONDITION.
   absl::StatusOr<FrameAnswer> Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled);
+  static constexpr int kMostBegun = 3;
 
   // The loss of `vertices` (3 x n, user units) against a decoded frame, or the one fitted last
   // where `frame` is null, as Fitter::Evaluate has it from where the next fit would start. No
@@ -72,6 +75,9 @@ class Session {
   absl::Status Restore();
 
   absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
+  // The answer to the next frame, fitted or rejected; its fit has begun `begun` times.
+  absl::StatusOr<std::shared_ptr<StoredFrame>> AnswerNext(const Frame& frame, int begun,
+                                                          const CancelFn& cancelled, Step* step);
   absl::Status Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer, Step* step);
   // What the frame holds for the image loss.
   FrameSource SourceOf(const Frame& frame) const;

@@ -10,18 +10,6 @@
 namespace cagefit::server {
 namespace {
 
-absl::Status Superseded(uint64_t epoch, uint64_t current) {
-  return WithDetail(
-      absl::AbortedError(absl::StrCat("epoch ", epoch, " was superseded by epoch ", current,
-                                      ": another stream was opened on this session")),
-      {"EPOCH_SUPERSEDED", "epoch", absl::StrCat(epoch), absl::StrCat(current)});
-}
-
-absl::Status Deleted(const std::string& id) {
-  return WithDetail(absl::AbortedError(absl::StrCat("session ", id, " was deleted")),
-                    {"SESSION_DELETED", "session_id", id, ""});
-}
-
 absl::Status NoTemplateYet(const std::string& id) {
   return WithDetail(
       absl::FailedPreconditionError(absl::StrCat(
@@ -38,37 +26,39 @@ absl::Status NotFitted(uint64_t sequence_number, absl::string_view why) {
 
 }  // namespace
 
-SessionLedger::SessionLedger(std::string id, SessionConfig config, const SessionLimits& limits,
-                             absl::Time created)
-    : id_(std::move(id)),
-      config_(std::move(config)),
+SessionLedger::SessionLedger(SessionRecord record, std::optional<ControlMesh> made_template,
+                             const SessionLimits& limits, Journal* journal)
+    : record_(std::move(record)),
       limits_(limits),
-      created_(created),
-      template_mesh_(config_.control_mesh) {
-  if (template_mesh_.has_value()) {
-    facts_.control_vertices = template_mesh_->vertex_count();
-    facts_.triangles = template_mesh_->topology().triangle_count();
-  }
-}
+      journal_(journal),
+      facts_{record_.head, /*stream_attached=*/false},
+      made_template_(std::move(made_template)) {}
 
 SessionFacts SessionLedger::Facts() const {
   std::lock_guard<std::mutex> lock(mutex_);
   return facts_;
 }
 
-absl::StatusOr<SessionLedger::StreamOpening> SessionLedger::OpenStream(EndStreamFn end_stream) {
+absl::StatusOr<std::optional<SessionLedger::StreamOpening>> SessionLedger::OpenStream(
+    EndStreamFn end_stream) {
+  std::unique_lock<std::mutex> write(write_mutex_);
+  ASSIGN_OR_RETURN(const SessionHead head, journal_->RaiseEpoch(id()));
   EndStreamFn end_older;
-  StreamOpening opening;
+  uint64_t older_epoch = 0;
+  bool is_current = false;
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    if (deleted_) return absl::NotFoundError(absl::StrCat("no session ", id_));
-    end_older = std::exchange(end_stream_, std::move(end_stream));
-    opening.epoch = ++facts_.epoch;
-    opening.next_sequence_number = facts_.next_sequence_number;
-    facts_.stream_attached = true;
+    older_epoch = facts_.epoch;
+    is_current = !deleted_ && head.epoch == facts_.epoch + 1 &&
+                 head.next_sequence_number == facts_.next_sequence_number;
+    end_older = std::exchange(end_stream_, is_current ? std::move(end_stream) : nullptr);
+    facts_.epoch = head.epoch;
+    facts_.stream_attached = is_current;
   }
-  if (end_older) end_older(Superseded(opening.epoch - 1, opening.epoch));
-  return opening;
+  write.unlock();
+  if (end_older) end_older(EpochSuperseded(older_epoch, head.epoch));
+  if (!is_current) return std::optional<StreamOpening>();
+  return std::optional<StreamOpening>({head.epoch, head.next_sequence_number});
 }
 
 void SessionLedger::CloseStream(uint64_t epoch) {
@@ -79,7 +69,7 @@ void SessionLedger::CloseStream(uint64_t epoch) {
   facts_.stream_attached = false;
 }
 
-void SessionLedger::Delete() {
+void SessionLedger::MarkDeleted() {
   EndStreamFn end_stream;
   {
     std::lock_guard<std::mutex> lock(mutex_);
@@ -87,12 +77,12 @@ void SessionLedger::Delete() {
     end_stream = std::exchange(end_stream_, nullptr);
     facts_.stream_attached = false;
   }
-  if (end_stream) end_stream(Deleted(id_));
+  if (end_stream) end_stream(SessionDeleted(id()));
 }
 
 absl::Status SessionLedger::CheckEpochLocked(uint64_t epoch) const {
-  if (deleted_) return Deleted(id_);
-  if (epoch != facts_.epoch) return Superseded(epoch, facts_.epoch);
+  if (deleted_) return SessionDeleted(id());
+  if (epoch != facts_.epoch) return EpochSuperseded(epoch, facts_.epoch);
   return absl::OkStatus();
 }
 
@@ -103,86 +93,100 @@ absl::Status SessionLedger::CheckEpoch(uint64_t epoch) const {
 
 absl::Status SessionLedger::CheckRoom() const {
   std::lock_guard<std::mutex> lock(mutex_);
-  const int64_t frames = static_cast<int64_t>(frames_.size());
+  const int64_t frames = static_cast<int64_t>(facts_.next_sequence_number);
   if (frames >= limits_.max_frames) {
     return LimitExceeded("frames of a session", frames + 1, limits_.max_frames);
   }
-  if (stored_bytes_ >= limits_.max_history_bytes) {
-    return LimitExceeded("stored bytes of a session", stored_bytes_, limits_.max_history_bytes);
+  if (facts_.stored_bytes >= limits_.max_history_bytes) {
+    return LimitExceeded("stored bytes of a session", facts_.stored_bytes,
+                         limits_.max_history_bytes);
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<int> SessionLedger::Begin(uint64_t epoch) {
+  std::lock_guard<std::mutex> write(write_mutex_);
+  RETURN_IF_ERROR(CheckEpoch(epoch));
+  return journal_->Begin(id(), epoch);
+}
+
+absl::Status SessionLedger::Abandon(uint64_t sequence_number) {
+  std::lock_guard<std::mutex> write(write_mutex_);
+  return journal_->Abandon(id(), sequence_number);
 }
 
 absl::Status SessionLedger::Append(uint64_t epoch, std::shared_ptr<const StoredFrame> frame,
-                                   std::optional<ControlMesh> surface,
-                                   std::optional<ControlMesh> template_mesh) {
+                                   std::optional<ControlMesh> made_template) {
+  std::lock_guard<std::mutex> write(write_mutex_);
+  RETURN_IF_ERROR(CheckEpoch(epoch));
+  const ControlMesh* made = made_template.has_value() ? &*made_template : nullptr;
+  RETURN_IF_ERROR(journal_->Append(id(), epoch, frame, made));
   std::lock_guard<std::mutex> lock(mutex_);
-  RETURN_IF_ERROR(CheckEpochLocked(epoch));
-  stored_bytes_ += frame->StoredBytes();
-  ++(frame->outcome == Outcome::kFitted ? facts_.fitted_frames : facts_.rejected_frames);
-  ++facts_.next_sequence_number;
-  frames_.push_back(std::move(frame));
-  if (surface.has_value()) latest_mesh_ = std::move(surface);
-  if (template_mesh.has_value()) {
-    facts_.control_vertices = template_mesh->vertex_count();
-    facts_.triangles = template_mesh->topology().triangle_count();
-    template_mesh_ = std::move(template_mesh);
-  }
+  static_cast<SessionHead&>(facts_) = After(facts_, *frame, made);
+  if (made != nullptr) made_template_ = std::move(made_template);
   return absl::OkStatus();
 }
 
-std::shared_ptr<const StoredFrame> SessionLedger::Find(uint64_t sequence_number) const {
-  std::lock_guard<std::mutex> lock(mutex_);
-  return sequence_number < frames_.size() ? frames_[sequence_number] : nullptr;
+absl::StatusOr<std::shared_ptr<const StoredFrame>> SessionLedger::Find(
+    uint64_t sequence_number) const {
+  return journal_->Read(id(), sequence_number);
+}
+
+absl::StatusOr<std::vector<FrameOutline>> SessionLedger::Outlines() const {
+  return journal_->Outlines(id());
 }
 
 absl::StatusOr<ControlMesh> SessionLedger::TemplateMesh() const {
-  std::lock_guard<std::mutex> lock(mutex_);
-  if (template_mesh_.has_value()) return *template_mesh_;
-  return NoTemplateYet(id_);
+  if (std::lock_guard<std::mutex> lock(mutex_); made_template_.has_value()) return *made_template_;
+  if (config().control_mesh.has_value()) return *config().control_mesh;
+  return NoTemplateYet(id());
 }
 
 absl::StatusOr<ControlMesh> SessionLedger::FinalTemplate() const {
-  const bool is_to_be_refined = config_.tolerance.has_value() && Facts().fitted_frames == 0;
-  if (is_to_be_refined) return NoTemplateYet(id_);
+  const bool is_to_be_refined = config().tolerance.has_value() && Facts().fitted_frames == 0;
+  if (is_to_be_refined) return NoTemplateYet(id());
   return TemplateMesh();
 }
 
 absl::StatusOr<ControlMesh> SessionLedger::LatestMesh() const {
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    if (latest_mesh_.has_value()) return *latest_mesh_;
-  }
-  return TemplateMesh();
+  const std::optional<uint64_t> last = Facts().last_fitted;
+  return last.has_value() ? MeshOfFrame(*last) : TemplateMesh();
 }
 
 absl::StatusOr<ControlMesh> SessionLedger::MeshOfFrame(uint64_t sequence_number) const {
-  const std::shared_ptr<const StoredFrame> frame = Find(sequence_number);
-  if (frame == nullptr) return NotFitted(sequence_number, "has not been answered");
-  if (frame->outcome != Outcome::kFitted) return NotFitted(sequence_number, "was rejected");
+  ASSIGN_OR_RETURN(const SurfaceState state, StateOfFrame(sequence_number));
   ASSIGN_OR_RETURN(const ControlMesh mesh, TemplateMesh());
-  if (config_.quantum == 0) return mesh.WithVertices(frame->delta.positions.cast<double>());
-  ASSIGN_OR_RETURN(const GridPoints q, GridPointsOfFrame(sequence_number));
-  return mesh.WithVertices(Dequantize(q, frame->delta.grid));
+  return mesh.WithVertices(state.vertices);
 }
 
-absl::StatusOr<GridPoints> SessionLedger::GridPointsOfFrame(uint64_t sequence_number) const {
-  // From the frame back to its key frame; at most key_interval fitted frames.
-  std::vector<std::shared_ptr<const StoredFrame>> replay;
-  int64_t vertices = 0;
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    for (uint64_t k = sequence_number + 1; k-- > 0;) {
-      if (frames_[k]->outcome != Outcome::kFitted) continue;
-      replay.push_back(frames_[k]);
-      if (frames_[k]->delta.key) break;
-    }
-    vertices = facts_.control_vertices;
+absl::StatusOr<SurfaceState> SessionLedger::StateOfFrame(uint64_t sequence_number) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<const StoredFrame> frame, Find(sequence_number));
+  if (frame == nullptr) return NotFitted(sequence_number, "has not been answered");
+  if (frame->outcome != Outcome::kFitted) return NotFitted(sequence_number, "was rejected");
+  SurfaceState state;
+  if (config().quantum == 0) {
+    state.vertices = frame->delta.positions.cast<double>();
+  } else {
+    ASSIGN_OR_RETURN(state.q, GridPointsOfFrame(*frame));
+    state.vertices = Dequantize(state.q, frame->delta.grid);
+  }
+  return state;
+}
+
+absl::StatusOr<GridPoints> SessionLedger::GridPointsOfFrame(const StoredFrame& frame) const {
+  // Back to its key frame, at most key_interval fitted frames, and forth again.
+  std::vector<VertexDelta> replay;
+  ASSIGN_OR_RETURN(VertexDelta delta, Decode(frame.delta, frame.control_vertices));
+  replay.push_back(std::move(delta));
+  for (uint64_t k = frame.sequence_number; k-- > 0 && !replay.back().key;) {
+    ASSIGN_OR_RETURN(const std::shared_ptr<const StoredFrame> earlier, Find(k));
+    if (earlier == nullptr || earlier->outcome != Outcome::kFitted) continue;
+    ASSIGN_OR_RETURN(delta, Decode(earlier->delta, earlier->control_vertices));
+    replay.push_back(std::move(delta));
   }
   GridPoints q;
-  for (auto frame = replay.rbegin(); frame != replay.rend(); ++frame) {
-    ASSIGN_OR_RETURN(const VertexDelta delta, Decode((*frame)->delta, vertices));
-    RETURN_IF_ERROR(ApplyDelta(delta, &q));
+  for (auto step = replay.rbegin(); step != replay.rend(); ++step) {
+    RETURN_IF_ERROR(ApplyDelta(*step, &q));
   }
   return q;
 }

@@ -1,5 +1,5 @@
 // What is known of a session beside the fit in progress: who may write to it, and every answer so
-// far.
+// far. The journal has it all; the ledger keeps what is small.
 //
 // Numbers and epoch change under one lock, so the next number that a stream is told when it opens
 // stays true until that stream itself, or a newer one, moves on.
@@ -7,27 +7,22 @@
 #define CAGEFIT_SERVER_SESSION_SESSION_LEDGER_H_
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "server/session/journal.h"
 #include "server/session/session_config.h"
 #include "server/session/stored_frame.h"
 
 namespace cagefit::server {
 
-struct SessionFacts {
-  uint64_t epoch = 0;
-  uint64_t next_sequence_number = 0;
-  uint64_t fitted_frames = 0;
-  uint64_t rejected_frames = 0;
-  int32_t control_vertices = 0;  // 0 until the template is made
-  int32_t triangles = 0;
+struct SessionFacts : SessionHead {
   bool stream_attached = false;
 };
 
@@ -43,35 +38,43 @@ class SessionLedger {
     uint64_t next_sequence_number = 0;
   };
 
-  SessionLedger(std::string id, SessionConfig config, const SessionLimits& limits,
-                absl::Time created);
+  // `record` is in `journal`, which must outlive the ledger. `made_template`: the template that a
+  // frame has made, if one has.
+  SessionLedger(SessionRecord record, std::optional<ControlMesh> made_template,
+                const SessionLimits& limits, Journal* journal);
 
-  const std::string& id() const { return id_; }
-  const SessionConfig& config() const { return config_; }
+  const std::string& id() const { return record_.id; }
+  const SessionConfig& config() const { return record_.config; }
   const SessionLimits& limits() const { return limits_; }
-  absl::Time created() const { return created_; }
+  absl::Time created() const { return record_.created; }
   SessionFacts Facts() const;
 
-  // Raises the epoch and ends an older stream: ABORTED, reason EPOCH_SUPERSEDED. NOT_FOUND once
-  // the session is deleted.
-  absl::StatusOr<StreamOpening> OpenStream(EndStreamFn end_stream);
+  // Raises the epoch and ends an older stream: ABORTED, reason EPOCH_SUPERSEDED. Nothing when the
+  // journal has moved on without this ledger, by another process or in a write that seemed to fail:
+  // then the session has to be loaded anew.
+  absl::StatusOr<std::optional<StreamOpening>> OpenStream(EndStreamFn end_stream);
   // The stream of that epoch writes no more. Nothing happens when a newer one has taken over.
   void CloseStream(uint64_t epoch);
-  // Ends the stream: ABORTED, reason SESSION_DELETED. Later writes fail.
-  void Delete();
+  // The session was deleted from the journal. Ends the stream: ABORTED, reason SESSION_DELETED.
+  // Later writes fail.
+  void MarkDeleted();
 
   // OK while the stream of that epoch may write.
   absl::Status CheckEpoch(uint64_t epoch) const;
   // RESOURCE_EXHAUSTED when the session may not store another answer.
   absl::Status CheckRoom() const;
 
-  // Stores the answer to frame next_sequence_number. `surface` is the mesh after a fitted frame and
-  // `template_mesh` the template that it made, if it did. ABORTED when the epoch has passed.
+  // As Journal's, for the next frame.
+  absl::StatusOr<int> Begin(uint64_t epoch);
+  absl::Status Abandon(uint64_t sequence_number);
+  // Stores the answer to the next frame, and the template that it made, if it did. ABORTED when
+  // the epoch has passed, UNAVAILABLE when the journal cannot be written.
   absl::Status Append(uint64_t epoch, std::shared_ptr<const StoredFrame> frame,
-                      std::optional<ControlMesh> surface, std::optional<ControlMesh> template_mesh);
+                      std::optional<ControlMesh> made_template);
 
   // The stored answer, or null when there is none yet.
-  std::shared_ptr<const StoredFrame> Find(uint64_t sequence_number) const;
+  absl::StatusOr<std::shared_ptr<const StoredFrame>> Find(uint64_t sequence_number) const;
+  absl::StatusOr<std::vector<FrameOutline>> Outlines() const;
 
   // FAILED_PRECONDITION until the template is made.
   absl::StatusOr<ControlMesh> TemplateMesh() const;
@@ -82,25 +85,25 @@ class SessionLedger {
   absl::StatusOr<ControlMesh> LatestMesh() const;
   // The fit of one frame. NOT_FOUND when there is none.
   absl::StatusOr<ControlMesh> MeshOfFrame(uint64_t sequence_number) const;
-  // The integers of one fitted frame, replayed from the key frame before it.
-  absl::StatusOr<GridPoints> GridPointsOfFrame(uint64_t sequence_number) const;
+  // The control vertices of one fitted frame, as the client has them; `q` has them on the grid
+  // where the session has one. DATA_LOSS when the stored deltas do not replay.
+  absl::StatusOr<SurfaceState> StateOfFrame(uint64_t sequence_number) const;
 
  private:
   absl::Status CheckEpochLocked(uint64_t epoch) const;
+  // Replayed from the key frame before it.
+  absl::StatusOr<GridPoints> GridPointsOfFrame(const StoredFrame& frame) const;
 
-  const std::string id_;
-  const SessionConfig config_;
+  const SessionRecord record_;  // its head is that of the beginning
   const SessionLimits limits_;
-  const absl::Time created_;
+  Journal* const journal_;
 
+  std::mutex write_mutex_;  // held while the journal is written, before mutex_
   mutable std::mutex mutex_;
   bool deleted_ = false;
   SessionFacts facts_;
   EndStreamFn end_stream_;
-  std::deque<std::shared_ptr<const StoredFrame>> frames_;  // by sequence number
-  int64_t stored_bytes_ = 0;
-  std::optional<ControlMesh> template_mesh_;
-  std::optional<ControlMesh> latest_mesh_;
+  std::optional<ControlMesh> made_template_;
 };
 
 }  // namespace cagefit::server

@@ -1,32 +1,25 @@
 #include "server/session/session_store.h"
 
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "core/base/status.h"
 #include "server/session/digest.h"
 #include "server/session/error_detail.h"
 
 namespace cagefit::server {
-namespace {
-
-absl::Status NoSession(const std::string& id) {
-  return WithDetail(absl::NotFoundError(absl::StrCat("session_id is \"", id, "\"; there is none")),
-                    {"NO_SESSION", "session_id", id, ""});
-}
-
-}  // namespace
-
 SessionLease::~SessionLease() {
   if (entry_ != nullptr) entry_->leased.store(false, std::memory_order_release);
 }
 
-SessionStore::SessionStore(const Limits& limits, TemplateMaker* templates, ClockFn clock)
-    : limits_(limits), templates_(templates), clock_(std::move(clock)) {}
+SessionStore::SessionStore(const Limits& limits, Journal* journal, TemplateMaker* templates,
+                           ClockFn clock)
+    : limits_(limits), journal_(journal), templates_(templates), clock_(std::move(clock)) {}
 
-absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfig config,
-                                                                    absl::Time now) {
-  RETURN_IF_ERROR(config.Validate());
+absl::Status SessionStore::CheckLimits(const SessionConfig& config) const {
   const int32_t vertices = config.control_mesh.has_value() ? config.control_mesh->vertex_count()
                                                            : config.make_template.vertices;
   if (vertices > limits_.session.max_control_vertices) {
@@ -39,62 +32,162 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfi
   if (pixels > limits_.session.max_camera_pixels) {
     return LimitExceeded("pixels of all cameras", pixels, limits_.session.max_camera_pixels);
   }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfig config,
+                                                                    absl::Time now) {
+  RETURN_IF_ERROR(config.Validate());
+  RETURN_IF_ERROR(CheckLimits(config));
   if (!config.control_mesh.has_value()) RETURN_IF_ERROR(templates_->CheckAvailable());
 
-  auto ledger =
-      std::make_shared<SessionLedger>(RandomId(), std::move(config), limits_.session, now);
-  auto entry = std::make_shared<Entry>(ledger, templates_, clock_);
-  std::lock_guard<std::mutex> lock(mutex_);
-  const int64_t sessions = static_cast<int64_t>(entries_.size());
+  SessionRecord record;
+  record.id = RandomId();
+  record.created = now;
+  if (config.control_mesh.has_value()) {
+    record.head.control_vertices = config.control_mesh->vertex_count();
+    record.head.triangles = config.control_mesh->topology().triangle_count();
+  }
+  record.config = std::move(config);
+  std::lock_guard<std::mutex> create(create_mutex_);
+  ASSIGN_OR_RETURN(const int64_t sessions, journal_->Count());
   if (sessions >= limits_.max_sessions) {
     return LimitExceeded("sessions", sessions + 1, limits_.max_sessions);
   }
+  RETURN_IF_ERROR(journal_->Create(record));
+  auto ledger =
+      std::make_shared<SessionLedger>(std::move(record), std::nullopt, limits_.session, journal_);
+  auto entry = std::make_shared<Entry>(ledger, templates_, clock_);
+  entry->last_used = now;
+  std::lock_guard<std::mutex> lock(mutex_);
   entries_.emplace(ledger->id(), std::move(entry));
   return ledger;
 }
 
-absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Find(const std::string& id) const {
-  std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = entries_.find(id);
-  if (found == entries_.end()) return NoSession(id);
-  return found->second->session.ledger();
+absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::LoadLedger(const std::string& id,
+                                                                        bool with_template) const {
+  ASSIGN_OR_RETURN(SessionRecord record, journal_->Load(id));
+  std::optional<ControlMesh> template_mesh;
+  if (with_template) {
+    ASSIGN_OR_RETURN(template_mesh, journal_->LoadTemplate(id));
+  }
+  if (record.head.fitted_frames == 0) {
+    record.config.control_mesh = std::exchange(template_mesh, std::nullopt);
+  }
+  return std::make_shared<SessionLedger>(std::move(record), std::move(template_mesh),
+                                         limits_.session, journal_);
 }
 
-std::vector<std::shared_ptr<SessionLedger>> SessionStore::List(const std::string& after,
-                                                               size_t count) const {
-  std::vector<std::shared_ptr<SessionLedger>> page;
+SessionStore::EntryPtr SessionStore::FindLoaded(const std::string& id) {
   std::lock_guard<std::mutex> lock(mutex_);
-  for (auto e = entries_.upper_bound(after); e != entries_.end() && page.size() < count; ++e) {
-    page.push_back(e->second->session.ledger());
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return nullptr;
+  found->second->last_used = absl::Now();
+  return found->second;
+}
+
+absl::StatusOr<SessionStore::EntryPtr> SessionStore::FindEntry(const std::string& id) {
+  if (EntryPtr loaded = FindLoaded(id)) return loaded;
+  ASSIGN_OR_RETURN(auto ledger, LoadLedger(id, /*with_template=*/true));
+  auto entry = std::make_shared<Entry>(std::move(ledger), templates_, clock_);
+  entry->last_used = absl::Now();
+  std::lock_guard<std::mutex> lock(mutex_);
+  return entries_.emplace(id, std::move(entry)).first->second;  // or who was faster
+}
+
+absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Find(const std::string& id) {
+  ASSIGN_OR_RETURN(const EntryPtr entry, FindEntry(id));
+  return entry->session.ledger();
+}
+
+absl::StatusOr<std::vector<std::shared_ptr<SessionLedger>>> SessionStore::List(
+    const std::string& after, size_t count) {
+  ASSIGN_OR_RETURN(const std::vector<std::string> ids, journal_->Ids(after, count));
+  std::vector<std::shared_ptr<SessionLedger>> page;
+  for (const std::string& id : ids) {
+    if (const EntryPtr loaded = FindLoaded(id)) {
+      page.push_back(loaded->session.ledger());
+      continue;
+    }
+    auto ledger = LoadLedger(id, /*with_template=*/false);
+    if (absl::IsNotFound(ledger.status())) continue;  // deleted meanwhile
+    RETURN_IF_ERROR(ledger.status());
+    page.push_back(*std::move(ledger));
   }
   return page;
 }
 
-absl::Status SessionStore::Delete(const std::string& id) {
-  std::shared_ptr<Entry> entry;
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    const auto found = entries_.find(id);
-    if (found == entries_.end()) return NoSession(id);
-    entry = std::move(found->second);
+absl::StatusOr<SessionStore::OpenedStream> SessionStore::OpenStream(
+    const std::string& id, const SessionLedger::EndStreamFn& end_stream) {
+  for (;;) {
+    ASSIGN_OR_RETURN(std::shared_ptr<SessionLedger> ledger, Find(id));
+    ASSIGN_OR_RETURN(const auto opening, ledger->OpenStream(end_stream));
+    if (opening.has_value()) return OpenedStream{std::move(ledger), *opening};
+    Drop(*ledger);
+  }
+}
+
+void SessionStore::Drop(const SessionLedger& ledger) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = entries_.find(ledger.id());
+  if (found != entries_.end() && found->second->session.ledger().get() == &ledger) {
     entries_.erase(found);
   }
-  entry->session.ledger()->Delete();
+}
+
+absl::Status SessionStore::Delete(const std::string& id) {
+  RETURN_IF_ERROR(journal_->Delete(id));
+  if (const EntryPtr loaded = FindLoaded(id)) {
+    Drop(*loaded->session.ledger());
+    loaded->session.ledger()->MarkDeleted();
+  }
   return absl::OkStatus();
 }
 
 absl::StatusOr<SessionLease> SessionStore::Lease(const std::string& id) {
-  std::shared_ptr<Entry> entry;
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    const auto found = entries_.find(id);
-    if (found == entries_.end()) return NoSession(id);
-    entry = found->second;
-  }
+  ASSIGN_OR_RETURN(EntryPtr entry, FindEntry(id));
   if (entry->leased.exchange(true, std::memory_order_acquire)) {
     return absl::UnavailableError(absl::StrCat("session ", id, " is in use"));
   }
   return SessionLease(std::move(entry));
+}
+
+void SessionStore::Unload(absl::Time time) {
+  if (!journal_->is_durable()) return;
+  std::vector<EntryPtr> unloaded;  // destroyed outside the lock
+  std::lock_guard<std::mutex> lock(mutex_);
+  for (auto e = entries_.begin(); e != entries_.end();) {
+    // Whoever has a ledger may open a stream on it, so nobody must have this one.
+    const bool is_idle = e->second.use_count() == 1 &&
+                         e->second->session.ledger().use_count() == 1 &&
+                         e->second->last_used < time;
+    if (is_idle) unloaded.push_back(std::move(e->second));
+    e = is_idle ? entries_.erase(e) : std::next(e);
+  }
+}
+
+std::vector<std::string> SessionStore::Attached() const {
+  std::vector<std::string> ids;
+  std::lock_guard<std::mutex> lock(mutex_);
+  for (const auto& [id, entry] : entries_) {
+    if (entry->session.ledger()->Facts().stream_attached) ids.push_back(id);
+  }
+  return ids;
+}
+
+absl::StatusOr<int> SessionStore::Expire(absl::Time time) {
+  constexpr size_t kMostAtOnce = 100;
+  const std::vector<std::string> attached = Attached();
+  RETURN_IF_ERROR(journal_->Touch(attached, absl::Now()));
+  ASSIGN_OR_RETURN(const std::vector<std::string> unused, journal_->UnusedSince(time, kMostAtOnce));
+  int expired = 0;
+  for (const std::string& id : unused) {
+    const absl::Status deleted = Delete(id);
+    if (absl::IsNotFound(deleted)) continue;
+    RETURN_IF_ERROR(deleted);
+    ++expired;
+  }
+  return expired;
 }
 
 }  // namespace cagefit::server

@@ -1,4 +1,4 @@
-// The sessions of this server, in memory.
+// The sessions of this server: in a journal, and those in use in memory.
 #ifndef CAGEFIT_SERVER_SESSION_SESSION_STORE_H_
 #define CAGEFIT_SERVER_SESSION_SESSION_STORE_H_
 
@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "server/session/journal.h"
 #include "server/session/session.h"
 
 namespace cagefit::server {
@@ -31,6 +33,7 @@ class SessionLease {
         : session(std::move(ledger), templates, std::move(clock)) {}
     Session session;
     std::atomic<bool> leased{false};
+    absl::Time last_used;  // under the store's mutex
   };
   explicit SessionLease(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
 
@@ -45,8 +48,8 @@ class SessionStore {
     SessionLimits session;
   };
 
-  // `templates` must outlive the store and every lease.
-  SessionStore(const Limits& limits, TemplateMaker* templates, ClockFn clock);
+  // `journal` and `templates` must outlive the store, every ledger and every lease.
+  SessionStore(const Limits& limits, Journal* journal, TemplateMaker* templates, ClockFn clock);
 
   const SessionLimits& session_limits() const { return limits_.session; }
 
@@ -54,11 +57,25 @@ class SessionStore {
   // when templates cannot be made here.
   absl::StatusOr<std::shared_ptr<SessionLedger>> Create(SessionConfig config, absl::Time now);
 
-  // NOT_FOUND naming the id.
-  absl::StatusOr<std::shared_ptr<SessionLedger>> Find(const std::string& id) const;
+  // Of all that follow: UNAVAILABLE, reason STORE_UNAVAILABLE, while the journal cannot be read or
+  // written.
 
-  // At most `count` sessions in order of id, the first one after `after`.
-  std::vector<std::shared_ptr<SessionLedger>> List(const std::string& after, size_t count) const;
+  // Loads the session from the journal where it is not in memory. NOT_FOUND naming the id;
+  // DATA_LOSS.
+  absl::StatusOr<std::shared_ptr<SessionLedger>> Find(const std::string& id);
+
+  // At most `count` sessions in order of id, the first one after `after`. Those not in memory are
+  // without control mesh.
+  absl::StatusOr<std::vector<std::shared_ptr<SessionLedger>>> List(const std::string& after,
+                                                                   size_t count);
+
+  // Opens a stream on the session as the journal has it. Errors as of Find.
+  struct OpenedStream {
+    std::shared_ptr<SessionLedger> ledger;
+    SessionLedger::StreamOpening opening;
+  };
+  absl::StatusOr<OpenedStream> OpenStream(const std::string& id,
+                                          const SessionLedger::EndStreamFn& end_stream);
 
   // Ends the session's stream; memory goes once the last lease does.
   absl::Status Delete(const std::string& id);
@@ -66,14 +83,32 @@ class SessionStore {
   // NOT_FOUND; UNAVAILABLE while another lease is held: callers take turns through the scheduler.
   absl::StatusOr<SessionLease> Lease(const std::string& id);
 
+  // Takes sessions that nobody has used since `time` out of memory; a durable journal keeps them.
+  void Unload(absl::Time time);
+  // Ids of the sessions that have a stream.
+  std::vector<std::string> Attached() const;
+  // Deletes sessions that nobody has used since `time`, but none that has a stream here. Returns
+  // how many.
+  absl::StatusOr<int> Expire(absl::Time time);
+
  private:
   using Entry = SessionLease::Entry;
+  using EntryPtr = std::shared_ptr<Entry>;
+
+  absl::Status CheckLimits(const SessionConfig& config) const;
+  absl::StatusOr<std::shared_ptr<SessionLedger>> LoadLedger(const std::string& id,
+                                                            bool with_template) const;
+  absl::StatusOr<EntryPtr> FindEntry(const std::string& id);
+  EntryPtr FindLoaded(const std::string& id);
+  void Drop(const SessionLedger& ledger);  // from memory
 
   const Limits limits_;
+  Journal* const journal_;
   TemplateMaker* const templates_;
   const ClockFn clock_;
+  std::mutex create_mutex_;  // so that no two sessions take the last place
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<Entry>> entries_;
+  std::map<std::string, EntryPtr> entries_;  // in memory
 };
 
 }  // namespace cagefit::server

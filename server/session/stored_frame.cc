@@ -1,5 +1,6 @@
 #include "server/session/stored_frame.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -15,6 +16,10 @@ int64_t EncodedDelta::StoredBytes() const {
 
 int64_t StoredFrame::StoredBytes() const {
   return static_cast<int64_t>(sizeof(StoredFrame) + error.message().size()) + delta.StoredBytes();
+}
+
+double BareShare(const FitSummary& fit) {
+  return static_cast<double>(fit.grown_samples + fit.far_samples) / std::max(1, fit.samples);
 }
 
 absl::StatusOr<EncodedDelta> Encode(const VertexDelta& delta, const VertexGrid& grid,

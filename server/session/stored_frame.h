@@ -70,6 +70,15 @@ struct StoredFrame {
   int64_t StoredBytes() const;
 };
 
+// Where the control vertices are after a fitted frame.
+struct SurfaceState {
+  Points3d vertices;  // as the client has them
+  GridPoints q;       // the same on the grid, where the session has one
+};
+
+// Samples that the target's points do not surround as densely as elsewhere, as a share.
+double BareShare(const FitSummary& fit);
+
 // Integers as the session sends them. INTERNAL when the compressor fails.
 absl::StatusOr<EncodedDelta> Encode(const VertexDelta& delta, const VertexGrid& grid,
                                     DeltaEncoding encoding);

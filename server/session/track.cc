@@ -1,6 +1,8 @@
 #include "server/session/track.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "core/base/status.h"
@@ -19,29 +21,35 @@ void Insert(double value, std::vector<double>* sorted) {
   sorted->insert(std::upper_bound(sorted->begin(), sorted->end(), value), value);
 }
 
-// Samples that the target's points do not surround as densely as elsewhere.
-double BareShare(const FitSummary& fit) {
-  return static_cast<double>(fit.grown_samples + fit.far_samples) / std::max(1, fit.samples);
-}
-
 }  // namespace
 
 absl::StatusOr<Track> Track::Replay(const SessionLedger& ledger) {
+  ASSIGN_OR_RETURN(const std::vector<FrameOutline> frames, ledger.Outlines());
   Track track;
-  SurfaceState state;
-  const uint64_t end = ledger.Facts().next_sequence_number;
-  for (uint64_t number = 0; number < end; ++number) {
-    const std::shared_ptr<const StoredFrame> answer = ledger.Find(number);
-    if (answer->outcome != Outcome::kFitted) continue;
-    const EncodedDelta& delta = answer->delta;
-    if (ledger.config().quantum == 0) {
-      state.vertices = delta.positions.cast<double>();
-    } else {
-      ASSIGN_OR_RETURN(const VertexDelta decoded, Decode(delta, answer->control_vertices));
-      RETURN_IF_ERROR(ApplyDelta(decoded, &state.q));
-      state.vertices = Dequantize(state.q, delta.grid);
-    }
-    track.Advance(*answer, state);
+  std::optional<uint64_t> last, before, last_good, last_ok;
+  for (const FrameOutline& frame : frames) {
+    if (frame.outcome != Outcome::kFitted) continue;
+    const bool is_lost = frame.verdict == Verdict::kLost;
+    before = is_lost || track.verdict_ == Verdict::kLost ? std::nullopt : last;
+    last = frame.sequence_number;
+    track.verdict_ = frame.verdict;
+    if (!is_lost) last_good = last;
+    if (frame.verdict != Verdict::kOk) continue;
+    last_ok = last;
+    track.ok_rms_.push_back(frame.rms);
+    track.ok_bare_.push_back(frame.bare_share);
+  }
+  std::sort(track.ok_rms_.begin(), track.ok_rms_.end());
+  std::sort(track.ok_bare_.begin(), track.ok_bare_.end());
+  if (last.has_value()) {
+    ASSIGN_OR_RETURN(track.state_, ledger.StateOfFrame(*last));
+  }
+  for (const auto& [number, vertices] :
+       {std::pair(before, &track.before_), std::pair(last_good, &track.last_good_),
+        std::pair(last_ok, &track.last_ok_)}) {
+    if (!number.has_value()) continue;
+    ASSIGN_OR_RETURN(SurfaceState state, ledger.StateOfFrame(*number));
+    *vertices = std::move(state.vertices);
   }
   return track;
 }

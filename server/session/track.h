@@ -12,16 +12,10 @@
 
 namespace cagefit::server {
 
-// Where the control vertices are after a fitted frame.
-struct SurfaceState {
-  Points3d vertices;  // as the client has them
-  GridPoints q;       // the same on the grid, where the session has one
-};
-
 // Follows from the answers alone. Empty until a frame is fitted.
 class Track {
  public:
-  // That of all answers in the ledger. An error when a stored delta is broken.
+  // That of all answers in the ledger. Errors as of SessionLedger::StateOfFrame.
   static absl::StatusOr<Track> Replay(const SessionLedger& ledger);
 
   // Takes the next fitted frame in.

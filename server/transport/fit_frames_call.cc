@@ -49,7 +49,7 @@ void FitFramesCall::OnReadDone(bool ok) {
 
 absl::Status FitFramesCall::Take(v1::FitFramesRequest* request) {
   if (ledger_ == nullptr) {
-    if (request->has_open()) return Open(request->open().session_id());
+    if (request->has_open()) return StartOpening(request->open().session_id());
     return WithDetail(absl::InvalidArgumentError("open: expected as the first message"),
                       {"PROTOCOL_VIOLATION", "open", "", ""});
   }
@@ -57,29 +57,42 @@ absl::Status FitFramesCall::Take(v1::FitFramesRequest* request) {
   return received.has_value() ? Submit(*std::move(received)) : absl::OkStatus();
 }
 
-absl::Status FitFramesCall::Open(const std::string& session_id) {
-  ASSIGN_OR_RETURN(std::shared_ptr<SessionLedger> ledger, state_->store->Find(session_id));
-  const std::weak_ptr<FitFramesCall> weak = weak_from_this();
-  ASSIGN_OR_RETURN(const SessionLedger::StreamOpening opening,
-                   ledger->OpenStream([weak](const absl::Status& status) {
-                     if (const auto call = weak.lock()) call->Stop(status);
-                   }));
-  ledger_ = std::move(ledger);
-  epoch_ = opening.epoch;
-  Outgoing outgoing;
-  v1::StreamOpened* opened = outgoing.message.mutable_opened();
-  opened->set_epoch(opening.epoch);
-  opened->set_next_sequence_number(opening.next_sequence_number);
-  opened->set_frames_in_flight(kFramesInFlight);
-  Send(std::move(outgoing));
+absl::Status FitFramesCall::StartOpening(const std::string& session_id) {
+  // The journal writes to a disk.
+  RETURN_IF_ERROR(state_->scheduler->decodes.Run(
+      PoolKey(), [self = shared_from_this(), session_id] { self->Open(session_id); }));
+  opening_ = true;
   return absl::OkStatus();
+}
+
+void FitFramesCall::Open(const std::string& session_id) {
+  const std::weak_ptr<FitFramesCall> weak = weak_from_this();
+  auto opened = state_->store->OpenStream(session_id, [weak](const absl::Status& status) {
+    if (const auto call = weak.lock()) call->Stop(status);
+  });
+  std::lock_guard<std::mutex> lock(mutex_);
+  opening_ = false;
+  if (!opened.ok()) return EndNow(opened.status());
+  ledger_ = std::move(opened->ledger);
+  epoch_ = opened->opening.epoch;
+  if (end_.has_value()) return MoveOn();  // overtaken or gone meanwhile
+  Outgoing outgoing;
+  v1::StreamOpened* message = outgoing.message.mutable_opened();
+  message->set_epoch(epoch_);
+  message->set_next_sequence_number(opened->opening.next_sequence_number);
+  message->set_frames_in_flight(kFramesInFlight);
+  Send(std::move(outgoing));
+  ReadOn();
+}
+
+std::string FitFramesCall::PoolKey() const {
+  return absl::StrCat(reinterpret_cast<uintptr_t>(this));
 }
 
 absl::Status FitFramesCall::Submit(ReceivedFrame received) {
   auto shared = std::make_shared<ReceivedFrame>(std::move(received));
   RETURN_IF_ERROR(state_->scheduler->decodes.Run(
-      absl::StrCat(reinterpret_cast<uintptr_t>(this)),
-      [self = shared_from_this(), shared, ready_ms = state_->clock()] {
+      PoolKey(), [self = shared_from_this(), shared, ready_ms = state_->clock()] {
         self->Decode(shared, ready_ms);
       }));
   ++in_flight_;
@@ -173,7 +186,7 @@ void FitFramesCall::EndNow(const absl::Status& status) {
 }
 
 void FitFramesCall::ReadOn() {
-  if (reading_ || end_.has_value() || in_flight_ >= kFramesInFlight) return;
+  if (opening_ || reading_ || end_.has_value() || in_flight_ >= kFramesInFlight) return;
   reading_ = true;
   StartRead(&request_);
 }
@@ -185,7 +198,7 @@ void FitFramesCall::MoveOn() {
     StartWrite(&outgoing_.front().message);
     return;
   }
-  if (!end_.has_value() || (in_flight_ > 0 && !abandoned_)) return;
+  if (!end_.has_value() || opening_ || (in_flight_ > 0 && !abandoned_)) return;
   finished_ = true;
   abandoned_ = true;
   Finish(ToGrpc(*end_, context_));

@@ -44,9 +44,11 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
 
   FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context);
 
+  std::string PoolKey() const;
+
   // Under the mutex.
   absl::Status Take(v1::FitFramesRequest* request);
-  absl::Status Open(const std::string& session_id);
+  absl::Status StartOpening(const std::string& session_id);
   absl::Status Submit(ReceivedFrame received);
   void Send(Outgoing outgoing);
   void EndAfterFrames(const absl::Status& status);  // those in flight are still answered
@@ -55,6 +57,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   void MoveOn();  // starts the next write, or finishes
 
   // In the pools.
+  void Open(const std::string& session_id);
   void Decode(std::shared_ptr<ReceivedFrame> received, double ready_ms);
   void Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms);
   absl::StatusOr<FrameAnswer> Answer(Frame frame);
@@ -71,7 +74,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   std::shared_ptr<SessionLedger> ledger_;  // once open; then constant, as is epoch_
   uint64_t epoch_ = 0;
   int in_flight_ = 0;  // complete frames whose answers are not written
-  bool reading_ = false, writing_ = false, finished_ = false;
+  bool opening_ = false, reading_ = false, writing_ = false, finished_ = false;
   std::deque<Outgoing> outgoing_;  // the first one is being written while writing_
   std::optional<absl::Status> end_;
 };

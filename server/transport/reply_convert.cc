@@ -110,12 +110,10 @@ v1::Energies ToProto(const Energies& energies) {
   return proto;
 }
 
-v1::FrameReply ToProto(const FrameAnswer& answer, const SessionLedger& ledger) {
-  const StoredFrame& frame = *answer.frame;
+v1::FrameReply ToProto(const StoredFrame& frame) {
   v1::FrameReply reply;
   reply.set_sequence_number(frame.sequence_number);
   if (frame.timestamp.has_value()) *reply.mutable_timestamp() = ToProto(*frame.timestamp);
-  reply.set_repeated_reply(answer.repeated);
   reply.set_points(frame.points);
   Fill(frame.ms, reply.mutable_milliseconds());
   if (frame.outcome == Outcome::kRejected) {
@@ -125,7 +123,13 @@ v1::FrameReply ToProto(const FrameAnswer& answer, const SessionLedger& ledger) {
   }
   reply.set_outcome(v1::OUTCOME_FITTED);
   FillFit(frame, &reply);
-  if (frame.made_template) {
+  return reply;
+}
+
+v1::FrameReply ToProto(const FrameAnswer& answer, const SessionLedger& ledger) {
+  v1::FrameReply reply = ToProto(*answer.frame);
+  reply.set_repeated_reply(answer.repeated);
+  if (answer.frame->made_template) {
     const auto mesh = ledger.TemplateMesh();
     v1::ControlMesh connectivity = mesh.ok() ? ConnectivityToProto(*mesh) : v1::ControlMesh();
     if (connectivity.ByteSizeLong() <= kMaxTemplateInReplyBytes) {

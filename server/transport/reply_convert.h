@@ -12,6 +12,9 @@ inline constexpr size_t kMaxTemplateInReplyBytes = 1 << 20;
 
 v1::Energies ToProto(const Energies& energies);
 
+// Without template, not marked as repeated.
+v1::FrameReply ToProto(const StoredFrame& frame);
+
 v1::FrameReply ToProto(const FrameAnswer& answer, const SessionLedger& ledger);
 
 }  // namespace cagefit::server

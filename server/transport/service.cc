@@ -37,12 +37,6 @@ grpc::ServerUnaryReactor* RunUnary(const ServiceState& state, grpc::CallbackServ
   return reactor;
 }
 
-grpc::ServerUnaryReactor* Answer(grpc::CallbackServerContext* context, const absl::Status& status) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(ToGrpc(status, context));
-  return reactor;
-}
-
 absl::Status Create(const ServiceState& state, const v1::CreateSessionRequest& request,
                     v1::Session* session) {
   RETURN_IF_ERROR(state.streams->CheckServing());
@@ -66,8 +60,7 @@ absl::StatusOr<ControlMesh> FindMesh(const SessionLedger& ledger,
   return ledger.LatestMesh();
 }
 
-absl::StatusOr<std::string> Surface(const SessionStore& store,
-                                    const v1::GetSurfaceRequest& request) {
+absl::StatusOr<std::string> Surface(SessionStore& store, const v1::GetSurfaceRequest& request) {
   ASSIGN_OR_RETURN(const auto ledger, store.Find(request.session_id()));
   SurfaceExportOptions options;
   options.max_triangles = store.session_limits().max_surface_triangles;
@@ -84,8 +77,7 @@ absl::StatusOr<std::string> Surface(const SessionStore& store,
   return ExportSurface(mesh, options);
 }
 
-absl::StatusOr<std::string> Stencils(const SessionStore& store,
-                                     const v1::GetStencilsRequest& request) {
+absl::StatusOr<std::string> Stencils(SessionStore& store, const v1::GetStencilsRequest& request) {
   ASSIGN_OR_RETURN(const auto ledger, store.Find(request.session_id()));
   ASSIGN_OR_RETURN(const ControlMesh mesh, ledger->FinalTemplate());
   StencilExportOptions options;
@@ -119,19 +111,21 @@ grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFr
 grpc::ServerUnaryReactor* FittingService::GetSession(grpc::CallbackServerContext* context,
                                                      const v1::GetSessionRequest* request,
                                                      v1::Session* session) {
-  const auto ledger = state_.store->Find(request->session_id());
-  if (ledger.ok()) *session = ToProto(**ledger);
-  return Answer(context, ledger.status());
+  return RunUnary(state_, context, [this, request, session]() -> absl::Status {
+    ASSIGN_OR_RETURN(const auto ledger, state_.store->Find(request->session_id()));
+    *session = ToProto(*ledger);
+    return absl::OkStatus();
+  });
 }
 
 grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerContext* context,
                                                        const v1::ListSessionsRequest* request,
                                                        v1::ListSessionsResponse* response) {
-  return RunUnary(state_, context, [this, request, response] {
+  return RunUnary(state_, context, [this, request, response]() -> absl::Status {
     const uint32_t size =
         request->page_size() == 0 ? kMaxPageSize : std::min(request->page_size(), kMaxPageSize);
     // The token is the last id of the page before: it stays good when sessions come and go.
-    const auto page = state_.store->List(request->page_token(), size + 1);
+    ASSIGN_OR_RETURN(const auto page, state_.store->List(request->page_token(), size + 1));
     size_t bytes = 0;
     for (size_t k = 0; k < page.size(); ++k) {
       v1::Session session = ToProto(*page[k]);

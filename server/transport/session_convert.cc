@@ -101,8 +101,9 @@ absl::Status CheckMultiple(const char* field, int64_t values, int64_t of) {
                       absl::StrCat("expected a multiple of ", of));
 }
 
-absl::StatusOr<ControlMesh> ReadControlMesh(const v1::ControlMesh& proto,
-                                            const SessionLimits& limits) {
+}  // namespace
+
+absl::StatusOr<ControlMesh> FromProto(const v1::ControlMesh& proto, const SessionLimits& limits) {
   RETURN_IF_ERROR(CheckMultiple("control_mesh.vertices", proto.vertices_size(), 3));
   RETURN_IF_ERROR(CheckMultiple("control_mesh.triangles", proto.triangles_size(), 3));
   RETURN_IF_ERROR(CheckMultiple("control_mesh.crease_edges", proto.crease_edges_size(), 2));
@@ -126,8 +127,6 @@ absl::StatusOr<ControlMesh> ReadControlMesh(const v1::ControlMesh& proto,
   return WithDetail(mesh.status(), {"INVALID_CONTROL_MESH", "control_mesh", "", ""});
 }
 
-}  // namespace
-
 absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
                                         const SessionLimits& limits) {
   SessionConfig config;
@@ -138,7 +137,7 @@ absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
   if (!config.cameras.empty() && !says_views) config.fit.image.views = Views::kCameras;
   switch (request.template_case()) {
     case v1::CreateSessionRequest::kControlMesh: {
-      ASSIGN_OR_RETURN(config.control_mesh, ReadControlMesh(request.control_mesh(), limits));
+      ASSIGN_OR_RETURN(config.control_mesh, FromProto(request.control_mesh(), limits));
       break;
     }
     case v1::CreateSessionRequest::kMakeTemplate:
@@ -157,27 +156,30 @@ absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
   return config;
 }
 
-v1::Session ToProto(const SessionLedger& ledger) {
-  const SessionFacts facts = ledger.Facts();
-  const SessionConfig& config = ledger.config();
-  v1::Session session;
-  session.set_session_id(ledger.id());
-  session.set_name(config.name);
-  *session.mutable_options()->mutable_fit() = ToProto(config.fit);
-  session.mutable_options()->set_quantum(config.quantum);
-  session.mutable_options()->set_delta_encoding(config.delta_encoding == DeltaEncoding::kDraco
-                                                    ? v1::DELTA_ENCODING_DRACO
-                                                    : v1::DELTA_ENCODING_PACKED);
-  session.mutable_options()->set_key_interval(config.key_interval);
+v1::SessionOptions ToProto(const SessionConfig& config) {
+  v1::SessionOptions options;
+  *options.mutable_fit() = ToProto(config.fit);
+  options.set_quantum(config.quantum);
+  options.set_delta_encoding(config.delta_encoding == DeltaEncoding::kDraco
+                                 ? v1::DELTA_ENCODING_DRACO
+                                 : v1::DELTA_ENCODING_PACKED);
+  options.set_key_interval(config.key_interval);
   if (config.tolerance.has_value()) {
-    session.mutable_options()->set_tolerance(config.tolerance->tolerance);
+    options.set_tolerance(config.tolerance->tolerance);
     if (config.tolerance->max_vertices > 0) {
-      session.mutable_options()->set_max_vertices(config.tolerance->max_vertices);
+      options.set_max_vertices(config.tolerance->max_vertices);
     }
   }
-  for (const Camera& camera : config.cameras) {
-    *session.mutable_options()->add_cameras() = ToProto(camera);
-  }
+  for (const Camera& camera : config.cameras) *options.add_cameras() = ToProto(camera);
+  return options;
+}
+
+v1::Session ToProto(const SessionLedger& ledger) {
+  const SessionFacts facts = ledger.Facts();
+  v1::Session session;
+  session.set_session_id(ledger.id());
+  session.set_name(ledger.config().name);
+  *session.mutable_options() = ToProto(ledger.config());
   *session.mutable_created() = ToProto(ledger.created());
   session.set_epoch(facts.epoch);
   session.set_next_sequence_number(facts.next_sequence_number);

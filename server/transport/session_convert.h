@@ -15,7 +15,13 @@ namespace cagefit::server {
 absl::StatusOr<SessionConfig> FromProto(const v1::CreateSessionRequest& request,
                                         const SessionLimits& limits);
 
+// INVALID_ARGUMENT, reason INVALID_CONTROL_MESH; RESOURCE_EXHAUSTED.
+absl::StatusOr<ControlMesh> FromProto(const v1::ControlMesh& proto, const SessionLimits& limits);
+
 v1::Session ToProto(const SessionLedger& ledger);
+
+// Every option in force.
+v1::SessionOptions ToProto(const SessionConfig& config);
 
 v1::ControlMesh ToProto(const ControlMesh& mesh);
 

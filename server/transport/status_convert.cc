@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "server/session/error_detail.h"
 
@@ -77,6 +78,14 @@ v1::FrameError ToProto(const absl::Status& status) {
     *error.mutable_detail() = ToProto(*detail);
   }
   return error;
+}
+
+absl::Status FromProto(const v1::FrameError& error) {
+  absl::Status status(static_cast<absl::StatusCode>(error.code()), error.message());
+  if (!error.has_detail()) return status;
+  const v1::ErrorDetail& detail = error.detail();
+  return WithDetail(std::move(status),
+                    {detail.reason(), detail.field(), detail.value(), detail.limit()});
 }
 
 }  // namespace cagefit::server

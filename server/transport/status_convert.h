@@ -16,6 +16,7 @@ inline constexpr char kErrorDetailTrailer[] = "cagefit-error-detail-bin";
 grpc::Status ToGrpc(const absl::Status& status, grpc::CallbackServerContext* context);
 
 v1::FrameError ToProto(const absl::Status& status);
+absl::Status FromProto(const v1::FrameError& error);
 
 }  // namespace cagefit::server
 

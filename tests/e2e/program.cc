@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <filesystem>
@@ -116,6 +117,9 @@ int64_t RunningProgram::PeakMiB() const {
 ServerProgram::ServerProgram(const std::vector<std::string>& arguments)
     : program_(CAGEFITD_PROGRAM, [&] {
         std::vector<std::string> all = {"--listen", "127.0.0.1:0", "--log-level", "warning"};
+        const bool has_store =
+            std::find(arguments.begin(), arguments.end(), "--store") != arguments.end();
+        if (!has_store) all.insert(all.end(), {"--store", "memory"});
         all.insert(all.end(), arguments.begin(), arguments.end());
         return all;
       }()) {

@@ -43,7 +43,7 @@ class RunningProgram {
   int out_ = -1;
 };
 
-// cagefitd on a free port.
+// cagefitd on a free port; with its sessions in memory unless a --store is given.
 class ServerProgram {
  public:
   explicit ServerProgram(const std::vector<std::string>& arguments = {});

@@ -66,12 +66,12 @@ TEST_F(ServerOptionsTest, DefaultsAreValid) {
 }
 
 TEST_F(ServerOptionsTest, EveryFlagArrives) {
-  const ServerOptions o =
-      ParseGood({"--listen=a:1", "--template-program=/p", "--template-memory-mib=65",
-                 "--template-seconds=1.5", "--max-frame-mib=2", "--max-points=17",
-                 "--max-control-vertices=5", "--max-sessions=3", "--max-frames=4",
-                 "--max-history-mib=6", "--max-streams=7", "--max-buffered-mib=8", "--threads=9",
-                 "--fits=10", "--drain-seconds=0.5", "--log-level=trace"});
+  const ServerOptions o = ParseGood(
+      {"--listen=a:1", "--template-program=/p", "--template-memory-mib=65",
+       "--template-seconds=1.5", "--max-frame-mib=2", "--max-points=17", "--max-control-vertices=5",
+       "--max-sessions=3", "--max-frames=4", "--max-history-mib=6", "--max-streams=7",
+       "--max-buffered-mib=8", "--threads=9", "--fits=10", "--store=sqlite:/s",
+       "--session-ttl-seconds=11", "--drain-seconds=0.5", "--log-level=trace"});
   EXPECT_THAT(o.listen, ElementsAre("a:1"));
   EXPECT_EQ(o.template_program, "/p");
   EXPECT_EQ(o.template_memory_mib, 65);
@@ -86,8 +86,18 @@ TEST_F(ServerOptionsTest, EveryFlagArrives) {
   EXPECT_EQ(o.max_buffered_mib, 8);
   EXPECT_EQ(o.threads, 9);
   EXPECT_EQ(o.fits, 10);
+  EXPECT_EQ(o.store, "sqlite:/s");
+  EXPECT_EQ(o.session_ttl_seconds, 11);
   EXPECT_EQ(o.drain_seconds, 0.5);
   EXPECT_EQ(o.log_level, "trace");
+}
+
+TEST_F(ServerOptionsTest, KeepsSessionsInTheFolderForProgramData) {
+  SetVariable("XDG_STATE_HOME", "/x");
+  EXPECT_EQ(ParseGood({}).store, "sqlite:/x/cagefit/sessions.db");
+  SetVariable("STATE_DIRECTORY", "/s");
+  EXPECT_EQ(ParseGood({}).store, "sqlite:/s/sessions.db");
+  EXPECT_EQ(ParseGood({"--store=memory"}).store, "memory");
 }
 
 TEST_F(ServerOptionsTest, FlagsCountMoreThanVariablesAndTheseMoreThanTheFile) {
@@ -139,6 +149,8 @@ TEST_F(ServerOptionsTest, ABadValueNamesFieldValueAndRange) {
   ExpectRefused({"--max-points=100000001"}, "--max-points is 100000001", "16 to 100000000");
   ExpectRefused({"--template-seconds=0.5"}, "--template-seconds is 0.5", "1 to 86400");
   ExpectRefused({"--threads=-1"}, "--threads is -1", "0 to 1024");
+  ExpectRefused({"--store=disk"}, "--store is disk", "memory or sqlite:PATH");
+  ExpectRefused({"--session-ttl-seconds=-1"}, "--session-ttl-seconds is -1", "0 to 1000000000");
   ExpectRefused({"--log-level=loud"}, "--log-level is loud", "trace, debug");
   ExpectRefused({"--max-points=many"}, "max-points", "many");
 }

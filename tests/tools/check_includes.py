@@ -21,8 +21,9 @@ ALLOWED = {
 CORE = sorted(ALLOWED)
 ALLOWED["server/session"] = ["core/base", "core/mesh", "core/subdiv", "core/cloud", "core/image", "core/fit",
                              "core/codec", "core/metrics"]
+ALLOWED["server/store"] = ["server/session"] + ALLOWED["server/session"]
 ALLOWED["server/transport"] = ["server/session", "cagefit/v1"] + ALLOWED["server/session"]
-ALLOWED["server"] = ["server/transport"] + ALLOWED["server/transport"]
+ALLOWED["server"] = ["server/store", "server/transport"] + ALLOWED["server/transport"]
 CLIENT_CORE = [f for f in CORE if f not in ("core/energy", "core/fit")]
 ALLOWED["client/io"] = ["core/base", "core/mesh", "core/cloud", "core/image", "core/codec"]
 ALLOWED["client/synth"] = ["client/io"] + CLIENT_CORE
@@ -40,6 +41,7 @@ LIBRARIES = {
     r"ceres/": ["core/fit"],
     r"CLI/": ["server/server_options", "client/commands", "client/main.cc"],
     r"(grpc|grpcpp|google/protobuf|google/rpc)/": ["server/transport", "server/server", "server/main.cc", "client/"],
+    r"sqlite3": ["server/store"],
     r"spdlog/": ["server/"],
     r"cagefit/v1/": ["server/transport", "server/server", "server/main.cc", "client/"],
 }

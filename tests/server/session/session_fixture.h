@@ -2,7 +2,10 @@
 #ifndef CAGEFIT_TESTS_SERVER_SESSION_SESSION_FIXTURE_H_
 #define CAGEFIT_TESTS_SERVER_SESSION_SESSION_FIXTURE_H_
 
+#include <gtest/gtest.h>
+
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,6 +14,7 @@
 #include "server/session/error_detail.h"
 #include "server/session/frame.h"
 #include "server/session/session.h"
+#include "server/store/memory_journal.h"
 #include "tests/support/frames.h"
 
 namespace cagefit::server::testing {
@@ -62,21 +66,41 @@ inline Frame MovingFrame(uint64_t number) {
                                   cagefit::testing::MovingCloud(static_cast<int>(number))));
 }
 
+// A ledger with a journal of its own, in memory.
+inline std::shared_ptr<SessionLedger> NewLedger(SessionConfig config,
+                                                const SessionLimits& limits = SessionLimits()) {
+  struct Both {
+    MemoryJournal journal;
+    std::optional<SessionLedger> ledger;
+  };
+  const auto both = std::make_shared<Both>();
+  SessionRecord record;
+  record.id = "test-session";
+  record.created = absl::UnixEpoch();
+  if (config.control_mesh.has_value()) {
+    record.head.control_vertices = config.control_mesh->vertex_count();
+    record.head.triangles = config.control_mesh->topology().triangle_count();
+  }
+  record.config = std::move(config);
+  EXPECT_TRUE(both->journal.Create(record).ok());
+  both->ledger.emplace(record, std::nullopt, limits, &both->journal);
+  return {both, &*both->ledger};
+}
+
 // A session with an open stream.
 struct OpenSession {
   explicit OpenSession(SessionConfig config, const SessionLimits& limits = SessionLimits())
-      : ledger(std::make_shared<SessionLedger>("test-session", std::move(config), limits,
-                                               absl::UnixEpoch())),
-        session(ledger, &templates, NoTime) {
+      : ledger(NewLedger(std::move(config), limits)), session(ledger, &templates, NoTime) {
     Reopen();
   }
 
   void Reopen() {
-    epoch = ledger->OpenStream([](const absl::Status&) {})->epoch;
+    epoch = ledger->OpenStream([](const absl::Status&) {}).value()->epoch;
   }
   absl::StatusOr<FrameAnswer> Answer(Frame frame, const CancelFn& cancelled = nullptr) {
     return session.Answer(std::move(frame), epoch, cancelled);
   }
+  const StoredFrame& Stored(uint64_t number) const { return *ledger->Find(number).value(); }
   // The control vertices after a fitted frame.
   Points3d Vertices(uint64_t number) const { return ledger->MeshOfFrame(number)->vertices(); }
 

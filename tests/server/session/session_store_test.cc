@@ -20,8 +20,9 @@ using testing::ReasonOf;
 class SessionStoreTest : public ::testing::Test {
  protected:
   SessionStore MakeStore(const SessionStore::Limits& limits = {}) {
-    return SessionStore(limits, &templates_, testing::NoTime);
+    return SessionStore(limits, &journal_, &templates_, testing::NoTime);
   }
+  MemoryJournal journal_;
   testing::FakeTemplates templates_;
 };
 
@@ -53,7 +54,7 @@ TEST_F(SessionStoreTest, ListsPagesInOrderOfId) {
   std::vector<std::string> listed;
   std::string after;
   for (const size_t expected : {3u, 3u, 1u, 0u}) {
-    const auto page = store.List(after, 3);
+    const auto page = store.List(after, 3).value();
     ASSERT_EQ(page.size(), expected);
     for (const auto& ledger : page) listed.push_back(ledger->id());
     after = listed.back();
@@ -105,8 +106,45 @@ TEST_F(SessionStoreTest, DeletingEndsTheStreamButNotTheLease) {
   EXPECT_EQ(ReasonOf(ended), "SESSION_DELETED");
   EXPECT_TRUE(absl::IsNotFound(store.Find(ledger->id()).status()));
   EXPECT_TRUE(absl::IsNotFound(store.Delete(ledger->id())));
-  EXPECT_TRUE(store.List("", 10).empty());
+  EXPECT_TRUE(store.List("", 10)->empty());
   EXPECT_EQ((*lease)->ledger(), ledger);
+}
+
+TEST_F(SessionStoreTest, OpensASessionThatAnotherProcessHasWritten) {
+  SessionStore here = MakeStore(), elsewhere = MakeStore();
+  const std::string id = (*here.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const auto none = [](const absl::Status&) {};
+  ASSERT_TRUE(here.OpenStream(id, none).ok());
+  const auto taken = elsewhere.OpenStream(id, none);
+  ASSERT_TRUE(taken.ok()) << taken.status();
+  auto answer = std::make_shared<StoredFrame>();
+  ASSERT_TRUE(taken->ledger->Append(taken->opening.epoch, answer, std::nullopt).ok());
+
+  const auto back = here.OpenStream(id, none);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->opening.next_sequence_number, 1u);
+  EXPECT_GT(back->opening.epoch, taken->opening.epoch);
+  EXPECT_EQ(here.Find(id).value(), back->ledger);
+}
+
+TEST_F(SessionStoreTest, ExpiresWhatNobodyUsesButNoSessionWithAStream) {
+  SessionStore store = MakeStore();
+  const std::string unused = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const std::string streaming = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  ASSERT_TRUE(store.OpenStream(streaming, [](const absl::Status&) {}).ok());
+  EXPECT_EQ(store.Attached(), std::vector<std::string>{streaming});
+  ASSERT_TRUE(journal_.Touch({streaming}, absl::UnixEpoch()).ok());
+  EXPECT_EQ(store.Expire(absl::FromUnixSeconds(-1)).value(), 0);
+  EXPECT_EQ(store.Expire(absl::FromUnixSeconds(1)).value(), 1);
+  EXPECT_TRUE(absl::IsNotFound(store.Find(unused).status()));
+  EXPECT_TRUE(store.Find(streaming).ok());
+}
+
+TEST_F(SessionStoreTest, AJournalInMemoryKeepsItsSessionsThere) {
+  SessionStore store = MakeStore();
+  const auto created = store.Create(CageConfig(), absl::UnixEpoch());
+  store.Unload(absl::InfiniteFuture());
+  EXPECT_EQ(store.Find((*created)->id()).value(), *created);
 }
 
 TEST_F(SessionStoreTest, RefusesMoreSessionsThanItsLimit) {
@@ -155,7 +193,8 @@ TEST_F(SessionStoreTest, CamerasWithTooManyPixelsAreExhaustion) {
   testing::FakeTemplates templates;
   SessionStore::Limits limits;
   limits.session.max_camera_pixels = 24;
-  SessionStore store(limits, &templates, testing::NoTime);
+  MemoryJournal journal;
+  SessionStore store(limits, &journal, &templates, testing::NoTime);
   SessionConfig config = testing::CageConfig();
   config.cameras = {SmallCamera("left"), SmallCamera("right")};
   EXPECT_TRUE(store.Create(config, absl::UnixEpoch()).ok());

@@ -136,7 +136,7 @@ TEST(SessionTest, ARepeatedFrameGetsItsStoredReplyAsAKeyFrame) {
     GridPoints q;
     ASSERT_TRUE(ApplyDelta(Decode(answer->frame->delta, 42).value(), &q).ok());
     EXPECT_EQ(Dequantize(q, answer->frame->delta.grid), open.Vertices(1));
-    EXPECT_EQ(answer->frame->fit.iterations, open.ledger->Find(1)->fit.iterations);
+    EXPECT_EQ(answer->frame->fit.iterations, open.Stored(1).fit.iterations);
     EXPECT_EQ(open.ledger->Facts().next_sequence_number, 3u);
 
     // Its asker does not know the state after frame 2.
@@ -153,7 +153,7 @@ TEST(SessionTest, ARepeatedRejectedFrameIsRejectedAgain) {
   const auto answer = open.Answer(BadFrame(0));
   ASSERT_TRUE(answer.ok()) << answer.status();
   EXPECT_TRUE(answer->repeated);
-  EXPECT_EQ(answer->frame, open.ledger->Find(0));
+  EXPECT_EQ(answer->frame, open.ledger->Find(0).value());
   EXPECT_EQ(open.ledger->Facts().rejected_frames, 1u);
 }
 
@@ -254,7 +254,7 @@ TEST(SessionTest, AfterALostFrameTheNextStartsFromTheLastGoodSurface) {
   OpenSession lost(config), other(config);
   ASSERT_TRUE(lost.Answer(MovingFrame(0)).ok());
   ASSERT_TRUE(other.Answer(MovingFrame(0)).ok());
-  ASSERT_EQ(other.ledger->Find(0)->verdict, Verdict::kOk);
+  ASSERT_EQ(other.Stored(0).verdict, Verdict::kOk);
   const auto jump = lost.Answer(FarFrame(1));
   ASSERT_TRUE(jump.ok()) << jump.status();
   ASSERT_EQ(jump->frame->verdict, Verdict::kLost);
@@ -292,7 +292,7 @@ TEST(SessionTest, GoesOnBehindAnyFrameOfALedgerWithTheSameBits) {
     std::set<Verdict> verdicts;
     for (uint64_t number = 0; number < kFrames; ++number) {
       ASSERT_TRUE(undisturbed.Answer(FrameOfEveryKind(number)).ok());
-      verdicts.insert(undisturbed.ledger->Find(number)->verdict);
+      verdicts.insert(undisturbed.Stored(number).verdict);
     }
     ASSERT_GE(verdicts.size(), 2u);
     for (uint64_t cut = 0; cut < kFrames; ++cut) {
@@ -305,7 +305,7 @@ TEST(SessionTest, GoesOnBehindAnyFrameOfALedgerWithTheSameBits) {
       for (uint64_t number = cut; number < kFrames; ++number) {
         const auto answer = after.Answer(FrameOfEveryKind(number), open.epoch, nullptr);
         ASSERT_TRUE(answer.ok()) << answer.status();
-        const StoredFrame& expected = *undisturbed.ledger->Find(number);
+        const StoredFrame& expected = undisturbed.Stored(number);
         EXPECT_EQ(answer->frame->verdict, expected.verdict);
         EXPECT_EQ(answer->frame->outcome, expected.outcome);
         if (expected.outcome == Outcome::kRejected) continue;
@@ -319,16 +319,48 @@ TEST(SessionTest, GoesOnBehindAnyFrameOfALedgerWithTheSameBits) {
 TEST(SessionTest, ALedgerThatDoesNotReplayIsDataLoss) {
   OpenSession open(CageConfig());
   ASSERT_TRUE(open.Answer(MovingFrame(0)).ok());
-  auto broken = std::make_shared<StoredFrame>(*open.ledger->Find(0));
+  auto broken = std::make_shared<StoredFrame>(open.Stored(0));
   broken->sequence_number = 1;
   broken->delta.checksum ^= 1;
-  ASSERT_TRUE(open.ledger->Append(open.epoch, broken, std::nullopt, std::nullopt).ok());
+  ASSERT_TRUE(open.ledger->Append(open.epoch, broken, std::nullopt).ok());
   Session after(open.ledger, &open.templates, testing::NoTime);
   for (int attempt = 0; attempt < 2; ++attempt) {
     const absl::Status status = after.Answer(MovingFrame(2), open.epoch, nullptr).status();
     EXPECT_TRUE(absl::IsDataLoss(status)) << status;
   }
   EXPECT_EQ(open.ledger->Facts().next_sequence_number, 2u);
+}
+
+TEST(SessionTest, AFrameThatEndedTheProcessThreeTimesIsPoisonAndTheStreamGoesOn) {
+  OpenSession open(CageConfig());
+  ASSERT_TRUE(open.Answer(MovingFrame(0)).ok());
+  // The process dies in the fit: what it has begun stays begun.
+  for (int death = 0; death < Session::kMostBegun; ++death) {
+    open.Reopen();
+    EXPECT_EQ(open.ledger->Begin(open.epoch).value(), death + 1);
+  }
+  open.Reopen();
+  const auto poison = open.Answer(MovingFrame(1));
+  ASSERT_TRUE(poison.ok()) << poison.status();
+  EXPECT_EQ(poison->frame->outcome, Outcome::kRejected);
+  EXPECT_TRUE(absl::IsInternal(poison->frame->error));
+  EXPECT_EQ(ReasonOf(poison->frame->error), "POISON_FRAME");
+  const auto next = open.Answer(MovingFrame(2));
+  ASSERT_TRUE(next.ok()) << next.status();
+  EXPECT_EQ(next->frame->outcome, Outcome::kFitted);
+}
+
+TEST(SessionTest, AFrameThatWasCancelledOftenIsNoPoison) {
+  OpenSession open(CageConfig());
+  for (int k = 0; k < 2 * Session::kMostBegun; ++k) {
+    open.Reopen();
+    const auto cancelled = open.Answer(MovingFrame(0), [] { return true; });
+    EXPECT_TRUE(absl::IsCancelled(cancelled.status())) << cancelled.status();
+  }
+  open.Reopen();
+  const auto answer = open.Answer(MovingFrame(0));
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->frame->outcome, Outcome::kFitted);
 }
 
 TEST(SessionTest, SendsAKeyFrameAtEveryKeyInterval) {

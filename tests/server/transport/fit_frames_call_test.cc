@@ -160,8 +160,7 @@ TEST(FitFramesCallTest, AFullQueueEndsTheStreamWithExhaustion) {
   limits.scheduler.max_queued = 0;
   TestService service(limits);
   RawStream stream(&service);
-  ASSERT_TRUE(stream.Open(service.CreateSession()));
-  stream.Frame(0);
+  EXPECT_FALSE(stream.Open(service.CreateSession()));
   EXPECT_EQ(stream.End(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 

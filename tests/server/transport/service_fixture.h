@@ -27,7 +27,7 @@ struct ServiceLimits {
 
 struct TestService {
   explicit TestService(const ServiceLimits& limits = ServiceLimits())
-      : store(limits.store, &templates, NoTime),
+      : store(limits.store, &journal, &templates, NoTime),
         budget(limits.budget_bytes),
         streams(limits.max_streams),
         scheduler(limits.scheduler),
@@ -54,6 +54,7 @@ struct TestService {
 
   PrivateFolder folder = PrivateFolder::Create().value();
   FakeTemplates templates;
+  MemoryJournal journal;
   SessionStore store;
   ByteBudget budget;
   StreamRegistry streams;

@@ -84,7 +84,13 @@ TEST(SessionConvertTest, EveryOptionArrivesAndComesBack) {
   EXPECT_EQ(config->cameras[1].R * Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
   EXPECT_EQ(config->cameras[1].distortion.p2, 0.04);
 
-  const SessionLedger ledger("an-id", *config, SessionLimits(), absl::FromUnixSeconds(5));
+  SessionRecord record;
+  record.id = "an-id";
+  record.created = absl::FromUnixSeconds(5);
+  record.config = *config;
+  record.head.control_vertices = 42;
+  record.head.triangles = 80;
+  const SessionLedger ledger(record, std::nullopt, SessionLimits(), nullptr);
   const v1::Session session = ToProto(ledger);
   EXPECT_TRUE(
       google::protobuf::util::MessageDifferencer::Equals(session.options(), request.options()))

@@ -1,0 +1,22 @@
+// From what settings call a store to the store.
+#ifndef CAGEFIT_SERVER_STORE_OPEN_JOURNAL_H_
+#define CAGEFIT_SERVER_STORE_OPEN_JOURNAL_H_
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/session/journal.h"
+#include "server/session/record_codec.h"
+
+namespace cagefit::server {
+
+// "memory", or "sqlite:PATH", whose folder is made where it is missing. `codec` must outlive the
+// journal. INVALID_ARGUMENT for another name; FAILED_PRECONDITION naming the path when that cannot
+// be a store of this version (SqliteJournal::Open).
+absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const std::string& name,
+                                                     const RecordCodec* codec);
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_STORE_OPEN_JOURNAL_H_

@@ -1,0 +1,74 @@
+// Sessions in a SQLite file: they survive the process, and the machine.
+#ifndef CAGEFIT_SERVER_STORE_SQLITE_JOURNAL_H_
+#define CAGEFIT_SERVER_STORE_SQLITE_JOURNAL_H_
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/session/journal.h"
+#include "server/session/record_codec.h"
+#include "server/store/sqlite.h"
+
+namespace cagefit::server {
+
+// Several processes may have one file open: epochs say whose answers count. After an error of the
+// disk the file is opened anew for the next call, at most every kRetryInterval.
+class SqliteJournal final : public Journal {
+ public:
+  static constexpr absl::Duration kRetryInterval = absl::Milliseconds(200);
+
+  // `codec` must outlive the journal. A file that cannot be used for now is no error here: Probe
+  // says so, and whether it can be later. FAILED_PRECONDITION when its folder is missing, when it
+  // is another program's database, or a store of a later version.
+  static absl::StatusOr<std::unique_ptr<SqliteJournal>> Open(const std::string& path,
+                                                             const RecordCodec* codec);
+
+  absl::Status Create(const SessionRecord& record) override;
+  absl::StatusOr<SessionRecord> Load(const std::string& id) override;
+  absl::StatusOr<std::optional<ControlMesh>> LoadTemplate(const std::string& id) override;
+  absl::StatusOr<std::vector<std::string>> Ids(const std::string& after, size_t count) override;
+  absl::StatusOr<int64_t> Count() override;
+  absl::Status Delete(const std::string& id) override;
+  absl::StatusOr<SessionHead> RaiseEpoch(const std::string& id) override;
+  absl::StatusOr<int> Begin(const std::string& id, uint64_t epoch) override;
+  absl::Status Abandon(const std::string& id, uint64_t sequence_number) override;
+  absl::Status Append(const std::string& id, uint64_t epoch,
+                      std::shared_ptr<const StoredFrame> frame,
+                      const ControlMesh* made_template) override;
+  absl::StatusOr<std::shared_ptr<const StoredFrame>> Read(const std::string& id,
+                                                          uint64_t sequence_number) override;
+  absl::StatusOr<std::vector<FrameOutline>> Outlines(const std::string& id) override;
+  absl::Status Touch(const std::vector<std::string>& ids, absl::Time now) override;
+  absl::StatusOr<std::vector<std::string>> UnusedSince(absl::Time time, size_t count) override;
+  // Writes a little and, when the file could not be used before, as much as a frame may need.
+  absl::Status Probe() override;
+  bool is_durable() const override { return true; }
+
+ private:
+  SqliteJournal(std::string path, const RecordCodec* codec)
+      : path_(std::move(path)), codec_(codec) {}
+
+  // What `work` says, with the connection, one caller at a time. Closes it after an error of the
+  // store's.
+  template <typename Work>
+  auto With(const Work& work) -> decltype(work(static_cast<Database*>(nullptr)));
+
+  // Under the mutex.
+  absl::Status Connect();
+  absl::StatusOr<Database*> Connection();
+
+  const std::string path_;
+  const RecordCodec* const codec_;
+
+  std::mutex mutex_;
+  std::unique_ptr<Database> database_;  // null: away
+  absl::Status away_;                   // why
+  absl::Time last_try_ = absl::InfinitePast();
+};
+
+}  // namespace cagefit::server
+
+#endif  // CAGEFIT_SERVER_STORE_SQLITE_JOURNAL_H_
