@@ -10,6 +10,7 @@
 #include "core/base/status.h"
 #include "core/fit/normalization.h"
 #include "server/session/error_detail.h"
+#include "server/session/fail_point.h"
 
 namespace cagefit::server {
 namespace {
@@ -181,6 +182,7 @@ absl::StatusOr<FrameAnswer> Session::Repeat(const Frame& frame) {
 
 absl::Status Session::Fit(const Frame& frame, const CancelFn& cancelled, StoredFrame* answer,
                           Step* step) {
+  CAGEFIT_FAIL_POINT("session.before_fit", frame.sequence_number);
   RETURN_IF_ERROR(frame.cloud.status());
   if (!model_.has_value()) {
     ASSIGN_OR_RETURN(step->first_model, MakeModel(frame, cancelled, answer));
@@ -298,6 +300,7 @@ absl::Status Session::EncodeState(const SurfaceModel& model, const Points3d& fit
 }
 
 absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step) {
+  CAGEFIT_FAIL_POINT("session.before_store", answer->sequence_number);
   if (answer->outcome == Outcome::kRejected) {
     return ledger_->Append(epoch, answer, std::nullopt);
   }

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
+#include "server/session/fail_point.h"
 #include "server/transport/frame_log.h"
 #include "server/transport/reply_convert.h"
 #include "server/transport/status_convert.h"
@@ -130,7 +131,10 @@ void FitFramesCall::Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms
 
 absl::StatusOr<FrameAnswer> FitFramesCall::Answer(Frame frame) {
   ASSIGN_OR_RETURN(const SessionLease session, state_->store->Lease(ledger_->id()));
-  return session->Answer(std::move(frame), epoch_, [this] { return abandoned_.load(); });
+  ASSIGN_OR_RETURN(FrameAnswer answer,
+                   session->Answer(std::move(frame), epoch_, [this] { return abandoned_.load(); }));
+  CAGEFIT_FAIL_POINT("stream.before_reply", answer.frame->sequence_number);
+  return answer;
 }
 
 void FitFramesCall::Send(Outgoing outgoing) {
