@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "core/base/status.h"
+#include "server/session/fail_point.h"
 #include "server/store/frame_table.h"
 #include "server/store/schema.h"
 #include "server/store/session_table.h"
@@ -139,7 +140,10 @@ absl::Status SqliteJournal::Append(const std::string& id, uint64_t epoch,
     ASSIGN_OR_RETURN(const int64_t session,
                      AdvanceSession(database, id, epoch, *frame, made_template, mesh));
     RETURN_IF_ERROR(InsertFrame(database, session, OutlineOf(*frame), record));
-    return transaction.Commit();
+    CAGEFIT_FAIL_POINT("store.before_commit", frame->sequence_number);
+    RETURN_IF_ERROR(transaction.Commit());
+    CAGEFIT_FAIL_POINT("store.after_commit", frame->sequence_number);
+    return absl::OkStatus();
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
@@ -24,6 +25,9 @@ SoakServer::SoakServer(std::string program, std::vector<std::string> arguments)
       folder_(NewFolder()),
       address_(absl::StrCat("unix:", folder_, "/socket")),
       arguments_(std::move(arguments)) {
+  if (std::find(arguments_.begin(), arguments_.end(), "--store") == arguments_.end()) {
+    arguments_.insert(arguments_.end(), {"--store", "memory"});
+  }
   arguments_.insert(arguments_.begin(), {"--listen", address_, "--log-level", "error"});
 }
 

@@ -13,7 +13,8 @@ namespace cagefit::testing {
 
 class SoakServer {
  public:
-  // `program` with `arguments` beside the address. Start does not run it yet.
+  // `program` with `arguments` beside the address, and its sessions in memory unless these name a
+  // store. Start does not run it yet.
   SoakServer(std::string program, std::vector<std::string> arguments);
   // Kills it, and removes the folder of its socket.
   ~SoakServer();
