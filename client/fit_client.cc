@@ -160,9 +160,10 @@ absl::StatusOr<v1::EvaluateLossReply> FitClient::EvaluateLoss(
   return reply;
 }
 
-absl::StatusOr<std::unique_ptr<FrameStream>> FitClient::OpenStream(const std::string& session_id) {
+absl::StatusOr<std::unique_ptr<FrameStream>> FitClient::OpenStream(const std::string& session_id,
+                                                                   v1::FrameMode mode) {
   auto call = std::make_unique<FrameStream::Call>();
-  RETURN_IF_ERROR(call->Open(connection_->stub.get(), session_id));
+  RETURN_IF_ERROR(call->Open(connection_->stub.get(), session_id, mode));
   return std::unique_ptr<FrameStream>(new FrameStream(std::move(call)));
 }
 

@@ -46,8 +46,8 @@ struct OutgoingFrame {
 struct FittedFrame {
   v1::FrameReply reply;       // its delta is already applied
   Points3d control_vertices;  // 3 x n, user units: the state after this frame; unchanged by a
-                              // rejected one
-  absl::Status status;        // the reply's error as a status; OK when fitted
+                              // rejected or skipped one
+  absl::Status status;        // the reply's error as a status; ABORTED when skipped, OK when fitted
 };
 
 // One FitFrames stream. Send and CloseSending from one thread, Receive from another, Cancel from
@@ -96,7 +96,8 @@ class FitClient {
   absl::StatusOr<v1::Stencils> GetStencils(const v1::GetStencilsRequest& request);
   absl::StatusOr<v1::EvaluateLossReply> EvaluateLoss(const v1::EvaluateLossRequest& request);
 
-  absl::StatusOr<std::unique_ptr<FrameStream>> OpenStream(const std::string& session_id);
+  absl::StatusOr<std::unique_ptr<FrameStream>> OpenStream(
+      const std::string& session_id, v1::FrameMode mode = v1::FRAME_MODE_EVERY);
 
  private:
   struct Connection;

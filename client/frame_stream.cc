@@ -29,10 +29,12 @@ void Fill(absl::Time time, google::protobuf::Timestamp* proto) {
 
 }  // namespace
 
-absl::Status FrameStream::Call::Open(v1::Fitting::Stub* stub, const std::string& session_id) {
+absl::Status FrameStream::Call::Open(v1::Fitting::Stub* stub, const std::string& session_id,
+                                     v1::FrameMode mode) {
   stream = stub->FitFrames(&context);
   v1::FitFramesRequest open;
   open.mutable_open()->set_session_id(session_id);
+  open.mutable_open()->set_mode(mode);
   v1::FitFramesReply reply;
   // A failed write shows as a failed read, which brings the status.
   stream->Write(open);
@@ -140,6 +142,8 @@ absl::StatusOr<std::optional<FittedFrame>> FrameStream::Receive() {
       call_->Cancel();
       return applied;
     }
+  } else if (frame.reply.outcome() == v1::OUTCOME_SKIPPED) {
+    frame.status = absl::AbortedError("skipped: a newer frame came before this one was begun");
   } else {
     frame.status = FromProto(frame.reply.error());
   }

@@ -18,7 +18,7 @@ namespace cagefit::client {
 
 struct FrameStream::Call {
   // Opens the stream and waits for the server's answer.
-  absl::Status Open(v1::Fitting::Stub* stub, const std::string& session_id);
+  absl::Status Open(v1::Fitting::Stub* stub, const std::string& session_id, v1::FrameMode mode);
   // Blocks until one more frame may be unanswered, and counts it.
   absl::Status WaitForRoom();
   void Answered();

@@ -148,7 +148,9 @@ class FitJob {
   }
 
   absl::Status Stream() {
-    ASSIGN_OR_RETURN(stream_, client_->OpenStream(report_.session.session_id()));
+    ASSIGN_OR_RETURN(stream_, client_->OpenStream(report_.session.session_id(),
+                                                  arguments_.latest ? v1::FRAME_MODE_LATEST
+                                                                    : v1::FRAME_MODE_EVERY));
     interrupt_->SetAction([this] { stream_->Cancel(); });
     const double start = Seconds();
     std::thread sender([this] { SendAll(); });
@@ -273,6 +275,7 @@ class FitJob {
   }
 
   static std::string Describe(const FrameRecord& record) {
+    if (record.reply.outcome() == v1::OUTCOME_SKIPPED) return "skipped";
     if (!record.status.ok()) return absl::StrCat("refused: ", record.status.message());
     const v1::FrameReply& r = record.reply;
     return absl::StrFormat("RMS %.4f %%, %d steps, %.0f ms%s", r.distances().rms_percent(),
@@ -302,6 +305,7 @@ class FitJob {
             {"position_bits", arguments_.position_bits},
             {"truth", arguments_.truth},
             {"round_trip", arguments_.round_trip},
+            {"latest", arguments_.latest},
             {"options", ToJson(report_.session.options())}};
   }
 
@@ -390,7 +394,7 @@ int Fit(const FitArguments& arguments) {
     return ReportBrokenOff(done, job.report(), interrupt.seen());
   }
   for (const FrameRecord& frame : job.report().frames) {
-    if (!frame.status.ok()) {
+    if (!frame.status.ok() && frame.reply.outcome() != v1::OUTCOME_SKIPPED) {
       std::cerr << "cagefit: " << frame.file << " was refused: " << frame.status.message() << "\n";
     }
   }

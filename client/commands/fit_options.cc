@@ -165,6 +165,10 @@ void AddDeltaSettings(v1::SessionOptions* options, CLI::App* command) {
   AddValue<double>(command, "--quantum",
                    "Grid of the control vertices, share of the diagonal; 0: float32 positions",
                    [options](double value) { options->set_quantum(value); });
+  AddChoice<v1::Priority>(command, "--priority",
+                          {{"live", v1::PRIORITY_LIVE}, {"batch", v1::PRIORITY_BATCH}},
+                          "batch: get what live sessions leave of the server",
+                          [options](v1::Priority value) { options->set_priority(value); });
   AddChoice<v1::DeltaEncoding>(
       command, "--delta-encoding",
       {{"packed", v1::DELTA_ENCODING_PACKED}, {"draco", v1::DELTA_ENCODING_DRACO}},
@@ -229,6 +233,8 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
       ->add_flag("--round-trip", a->round_trip,
                  "Measure drift without it: fit the frames forth and back again")
       ->excludes(truth);
+  command->add_flag("--latest", a->latest,
+                    "As a live rig: the server skips frames that it cannot keep up with");
   command->add_flag("--quick", a->quick, "Only the server's sampled distances, no exact ones");
   command->add_flag("--json", a->json, "Print one JSON object a frame, and one at the end");
   command->add_option("--threads", a->threads, "Of the server inside; 0: one per core")

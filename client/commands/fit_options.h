@@ -23,6 +23,7 @@ struct FitArguments {
   int position_bits = 16;
   int threads = 0;  // of the server inside; 0: one per core
   bool keep_session = false, quick = false, json = false, round_trip = false;
+  bool latest = false;         // frames that the server cannot keep up with may be skipped
   v1::SessionOptions options;  // what is not given stays unset: the server's defaults
 };
 

@@ -16,6 +16,11 @@ constexpr size_t kMostRows = 60;
 
 bool IsFitted(const FrameRecord& frame) { return frame.status.ok(); }
 
+int& CountOf(const FrameRecord& frame, FitTotals* totals) {
+  if (frame.reply.outcome() == v1::OUTCOME_SKIPPED) return totals->skipped;
+  return absl::IsUnavailable(frame.status) ? totals->unanswered : totals->refused;
+}
+
 double RmsPercent(const FrameRecord& frame, double diagonal) {
   if (frame.distances.has_value() && diagonal > 0) return 100 * frame.distances->rms / diagonal;
   return frame.reply.distances().rms_percent();
@@ -95,7 +100,7 @@ FitTotals Totals(const FitReport& report) {
   totals.frames_per_second = report.frames_per_second;
   for (const FrameRecord& frame : report.frames) {
     if (!IsFitted(frame)) {
-      (absl::IsUnavailable(frame.status) ? totals.unanswered : totals.refused) += 1;
+      ++CountOf(frame, &totals);
       continue;
     }
     ++totals.fitted;
@@ -134,6 +139,7 @@ Json ReportJson(const FitReport& report) {
   json["session"] = ToJson(report.session);
   json["total"] = {{"frames", report.frames.size()},
                    {"fitted", totals.fitted},
+                   {"skipped", totals.skipped},
                    {"refused", totals.refused},
                    {"unanswered", totals.unanswered},
                    {"suspect", totals.suspect},
@@ -179,10 +185,11 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
   for (const size_t k : rows) PrintRow(report.frames[k], k, report.diagonal, out);
   const FitTotals totals = Totals(report);
   out << absl::StreamFormat(
-      "%d of %d frames fitted, %d refused, %d suspect, %d lost; RMS %.4f %% on average, %.4f %% at "
+      "%d of %d frames fitted, %d skipped, %d refused, %d suspect, %d lost; RMS %.4f %% on "
+      "average, %.4f %% at "
       "worst; %.1f s",
-      totals.fitted, report.frames.size(), totals.refused, totals.suspect, totals.lost,
-      totals.mean_rms_percent, totals.worst_rms_percent, totals.seconds);
+      totals.fitted, report.frames.size(), totals.skipped, totals.refused, totals.suspect,
+      totals.lost, totals.mean_rms_percent, totals.worst_rms_percent, totals.seconds);
   if (totals.frames_per_second > 0) {
     out << absl::StreamFormat(", %.1f frames a second", totals.frames_per_second);
   }

@@ -29,7 +29,7 @@ struct FrameRecord {
 enum class DriftKind { kNone, kTruth, kRoundTrip };
 
 struct FitTotals {
-  int fitted = 0, refused = 0, unanswered = 0, suspect = 0, lost = 0;
+  int fitted = 0, skipped = 0, refused = 0, unanswered = 0, suspect = 0, lost = 0;
   bool beyond_tolerance = false;                       // a tolerance was asked for and not met
   double mean_rms_percent = 0, worst_rms_percent = 0;  // of the fitted frames
   double seconds = 0;                                  // from the first byte sent to the last reply

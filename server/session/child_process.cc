@@ -80,8 +80,12 @@ absl::StatusOr<int> Wait(pid_t child, int stderr_fd, const ChildLimits& limits,
       return wait_status;
     }
     absl::Status stop;
-    if (IsCancelled(cancelled)) stop = absl::CancelledError("cancelled while a template was made");
-    if (absl::Now() > deadline) {
+    // Time first: who is asked whether to go on may take long to answer, and then the child's end
+    // is looked for before its time is up.
+    if (absl::Now() <= deadline) {
+      if (IsCancelled(cancelled))
+        stop = absl::CancelledError("cancelled while a template was made");
+    } else {
       stop = LimitExceeded("seconds of the template program",
                            absl::ToInt64Seconds(limits.max_time) + 1,
                            absl::ToInt64Seconds(limits.max_time));

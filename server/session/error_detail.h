@@ -7,14 +7,16 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/time/time.h"
 
 namespace cagefit::server {
 
 struct ErrorDetail {
-  std::string reason;  // UPPER_SNAKE_CASE, stable
-  std::string field;   // of the request
-  std::string value;   // offending
-  std::string limit;   // that it met, if any
+  std::string reason;                                 // UPPER_SNAKE_CASE, stable
+  std::string field;                                  // of the request
+  std::string value;                                  // offending
+  std::string limit;                                  // that it met, if any
+  absl::Duration retry_after = absl::ZeroDuration();  // 0: waiting does not help
 };
 
 // `status` (not OK) with `detail` attached; replaces an earlier detail.
@@ -23,8 +25,10 @@ absl::Status WithDetail(absl::Status status, const ErrorDetail& detail);
 // Nothing when none was attached.
 std::optional<ErrorDetail> DetailOf(const absl::Status& status);
 
-// RESOURCE_EXHAUSTED, reason LIMIT_EXCEEDED: "`field` is `value`; the limit is `limit`".
-absl::Status LimitExceeded(const std::string& field, uint64_t value, int64_t limit);
+// RESOURCE_EXHAUSTED, reason LIMIT_EXCEEDED: "`field` is `value`; the limit is `limit`". With
+// `retry_after` where the same may pass later.
+absl::Status LimitExceeded(const std::string& field, uint64_t value, int64_t limit,
+                           absl::Duration retry_after = absl::ZeroDuration());
 
 // INVALID_ARGUMENT, reason INVALID_FIELD: "`field` is `value`; `expected`".
 absl::Status InvalidField(const std::string& field, const std::string& value,

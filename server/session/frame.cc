@@ -96,16 +96,18 @@ absl::StatusOr<PointCloud> Decode(const DecodeLimits& limits, const std::vector<
 
 }  // namespace
 
+void HashFrame(Frame* frame) { frame->digest = DigestOf(*frame); }
+
 void DecodeFrame(const DecodeLimits& limits, const std::vector<Camera>& cameras,
                  const ClockFn& clock, Frame* frame) {
   const double start = clock();
-  frame->digest = DigestOf(*frame);
+  if (frame->digest == Digest{}) HashFrame(frame);
   try {
     frame->cloud = Decode(limits, cameras, frame);
   } catch (const std::bad_alloc&) {
     frame->cloud = WithDetail(
         absl::ResourceExhaustedError("the server has no memory left to decode this frame"),
-        {"LIMIT_EXCEEDED", "memory", "", ""});
+        {"LIMIT_EXCEEDED", "memory", "", "", absl::Seconds(1)});
   }
   frame->decode_ms = clock() - start;
 }

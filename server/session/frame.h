@@ -32,8 +32,10 @@ struct Frame {
   const char* header_field = "header";
   const char* bytes_field = "chunk.data";
 
+  // Filled by HashFrame.
+  Digest digest{};  // of all bytes, and of what is stated beside them
+
   // Filled by DecodeFrame.
-  Digest digest{};              // of all bytes, and of what is stated beside them
   uint64_t geometry_bytes = 0;  // that the masks follow
   absl::StatusOr<PointCloud> cloud = absl::UnknownError("not decoded");
   std::optional<TriangleMesh> mesh;  // where the geometry is one; `cloud` is its surface
@@ -47,8 +49,17 @@ struct Frame {
   }
 };
 
-// Hashes and decodes `frame->bytes`, and estimates normals where the cloud has none. Masks are of
-// `cameras`. A frame that is broken keeps its error in `cloud`.
+// What is left of a frame that was not begun before a newer one came.
+struct SkippedFrame {
+  uint64_t sequence_number = 0;
+  std::optional<absl::Time> timestamp;
+  Digest digest{};
+};
+
+void HashFrame(Frame* frame);
+
+// Hashes, where that is not done yet, and decodes `frame->bytes`, and estimates normals where the
+// cloud has none. Masks are of `cameras`. A frame that is broken keeps its error in `cloud`.
 void DecodeFrame(const DecodeLimits& limits, const std::vector<Camera>& cameras,
                  const ClockFn& clock, Frame* frame);
 

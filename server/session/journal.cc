@@ -9,11 +9,17 @@ namespace cagefit::server {
 
 SessionHead After(SessionHead head, const StoredFrame& frame, const ControlMesh* made_template) {
   head.stored_bytes += frame.StoredBytes();
-  if (frame.outcome == Outcome::kFitted) {
-    ++head.fitted_frames;
-    head.last_fitted = frame.sequence_number;
-  } else {
-    ++head.rejected_frames;
+  switch (frame.outcome) {
+    case Outcome::kFitted:
+      ++head.fitted_frames;
+      head.last_fitted = frame.sequence_number;
+      break;
+    case Outcome::kRejected:
+      ++head.rejected_frames;
+      break;
+    case Outcome::kSkipped:
+      ++head.skipped_frames;
+      break;
   }
   ++head.next_sequence_number;
   if (made_template != nullptr) {

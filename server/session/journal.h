@@ -25,6 +25,7 @@ struct SessionHead {
   uint64_t next_sequence_number = 0;
   uint64_t fitted_frames = 0;
   uint64_t rejected_frames = 0;
+  uint64_t skipped_frames = 0;
   std::optional<uint64_t> last_fitted;  // sequence number
   int64_t stored_bytes = 0;             // of all answers
   int32_t control_vertices = 0;         // 0 until the template is made

@@ -7,7 +7,8 @@
 namespace cagefit::server {
 
 // Three pools, so that none waits for another: frames decode while others are fitted, and a large
-// surface that somebody asks for holds up neither.
+// surface that somebody asks for holds up neither. Fits give way between solver steps, so a few
+// large ones do not occupy all workers for as long as they take.
 struct Scheduler {
   struct Options {
     int fit_threads = 1;  // concurrent fits, each of them parallel inside
@@ -16,9 +17,12 @@ struct Scheduler {
     int64_t max_queued = 4096;  // tasks that may wait in each pool
   };
 
+  // Fits that have given way to sessions that used less, each with its frame in memory.
+  static constexpr int kMaxPausedFits = 16;
+
   explicit Scheduler(const Options& options)
       : queries("requests", options.query_threads, options.max_queued),
-        fits("fits", options.fit_threads, options.max_queued),
+        fits("fits", options.fit_threads, options.max_queued, kMaxPausedFits),
         decodes("decodes", options.decode_threads, options.max_queued) {}
 
   // Destroyed from the last to the first: decodes still hand over to fits.

@@ -40,7 +40,7 @@ absl::Status Diverged(const absl::Status& cause) {
 absl::Status NoMemory(absl::string_view work) {
   return WithDetail(
       absl::ResourceExhaustedError(absl::StrCat("the server has no memory left to ", work)),
-      {"LIMIT_EXCEEDED", "memory", "", ""});
+      {"LIMIT_EXCEEDED", "memory", "", "", absl::Seconds(1)});
 }
 
 absl::Status NoFrame(const std::string& reason, absl::string_view why) {
@@ -124,7 +124,7 @@ absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
   stream_epoch_ = epoch;
 
   const uint64_t expected = ledger_->Facts().next_sequence_number;
-  if (frame.sequence_number < expected) return Repeat(frame);
+  if (frame.sequence_number < expected) return Repeat(frame.sequence_number, frame.digest);
   if (frame.sequence_number > expected) return SequenceGap(frame.sequence_number, expected);
   RETURN_IF_ERROR(ledger_->CheckRoom());
 
@@ -164,16 +164,31 @@ absl::StatusOr<std::shared_ptr<StoredFrame>> Session::AnswerNext(const Frame& fr
   return answer;
 }
 
-absl::StatusOr<FrameAnswer> Session::Repeat(const Frame& frame) {
-  ASSIGN_OR_RETURN(std::shared_ptr<const StoredFrame> stored, ledger_->Find(frame.sequence_number));
-  if (stored->digest != frame.digest) return OtherBytes(frame.sequence_number);
-  if (stored->outcome == Outcome::kRejected || ledger_->config().quantum == 0) {
+absl::StatusOr<FrameAnswer> Session::Skip(const SkippedFrame& frame, uint64_t epoch) {
+  RETURN_IF_ERROR(ledger_->CheckEpoch(epoch));
+  const uint64_t expected = ledger_->Facts().next_sequence_number;
+  if (frame.sequence_number < expected) return Repeat(frame.sequence_number, frame.digest);
+  if (frame.sequence_number > expected) return SequenceGap(frame.sequence_number, expected);
+  RETURN_IF_ERROR(ledger_->CheckRoom());
+  auto answer = std::make_shared<StoredFrame>();
+  answer->sequence_number = frame.sequence_number;
+  answer->timestamp = frame.timestamp;
+  answer->digest = frame.digest;
+  answer->outcome = Outcome::kSkipped;
+  RETURN_IF_ERROR(Store(epoch, answer, Step()));
+  return FrameAnswer{std::move(answer)};
+}
+
+absl::StatusOr<FrameAnswer> Session::Repeat(uint64_t sequence_number, const Digest& digest) {
+  ASSIGN_OR_RETURN(std::shared_ptr<const StoredFrame> stored, ledger_->Find(sequence_number));
+  if (stored->digest != digest) return OtherBytes(sequence_number);
+  if (stored->outcome != Outcome::kFitted || ledger_->config().quantum == 0) {
     return FrameAnswer{std::move(stored), /*repeated=*/true};
   }
   // Who asks again may not know the state before that frame, and does not know the latest one
   // afterwards: this answer and the next new one are key frames.
   key_needed_ = true;
-  ASSIGN_OR_RETURN(const SurfaceState state, ledger_->StateOfFrame(frame.sequence_number));
+  ASSIGN_OR_RETURN(const SurfaceState state, ledger_->StateOfFrame(sequence_number));
   auto keyed = std::make_shared<StoredFrame>(*stored);
   ASSIGN_OR_RETURN(keyed->delta, Encode(EncodeKey(state.q), stored->delta.grid,
                                         ledger_->config().delta_encoding));
@@ -301,7 +316,7 @@ absl::Status Session::EncodeState(const SurfaceModel& model, const Points3d& fit
 
 absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& answer, Step step) {
   CAGEFIT_FAIL_POINT("session.before_store", answer->sequence_number);
-  if (answer->outcome == Outcome::kRejected) {
+  if (answer->outcome != Outcome::kFitted) {
     return ledger_->Append(epoch, answer, std::nullopt);
   }
   const SurfaceModel& model = model_.has_value() ? *model_ : *step.first_model;

@@ -55,6 +55,9 @@ class Session {
   absl::StatusOr<FrameAnswer> Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled);
   static constexpr int kMostBegun = 3;
 
+  // Answers a frame that is not to be fitted, likewise. The surface stays as it was.
+  absl::StatusOr<FrameAnswer> Skip(const SkippedFrame& frame, uint64_t epoch);
+
   // The loss of `vertices` (3 x n, user units) against a decoded frame, or the one fitted last
   // where `frame` is null, as Fitter::Evaluate has it from where the next fit would start. No
   // answer depends on it. Before a frame is fitted, `frame` is taken for the first.
@@ -74,7 +77,7 @@ class Session {
   // when they do not replay.
   absl::Status Restore();
 
-  absl::StatusOr<FrameAnswer> Repeat(const Frame& frame);
+  absl::StatusOr<FrameAnswer> Repeat(uint64_t sequence_number, const Digest& digest);
   // The answer to the next frame, fitted or rejected; its fit has begun `begun` times.
   absl::StatusOr<std::shared_ptr<StoredFrame>> AnswerNext(const Frame& frame, int begun,
                                                           const CancelFn& cancelled, Step* step);

@@ -13,6 +13,7 @@
 #include "core/fit/tolerance_fit.h"
 #include "core/image/camera.h"
 #include "core/mesh/control_mesh.h"
+#include "server/session/priority.h"
 #include "server/session/template_maker.h"
 
 namespace cagefit::server {
@@ -22,6 +23,7 @@ enum class DeltaEncoding { kPacked, kDraco };
 // Fixed when the session is made; every fit reads it.
 struct SessionConfig {
   std::string name;  // for people; at most kMaxNameBytes
+  Priority priority = Priority::kLive;
   FitOptions fit;
   double quantum = 1e-5;  // of the first target's diagonal; 1e-9 to 1e-2, or 0: float32 positions
   DeltaEncoding delta_encoding = DeltaEncoding::kPacked;

@@ -162,7 +162,8 @@ absl::StatusOr<ControlMesh> SessionLedger::MeshOfFrame(uint64_t sequence_number)
 absl::StatusOr<SurfaceState> SessionLedger::StateOfFrame(uint64_t sequence_number) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<const StoredFrame> frame, Find(sequence_number));
   if (frame == nullptr) return NotFitted(sequence_number, "has not been answered");
-  if (frame->outcome != Outcome::kFitted) return NotFitted(sequence_number, "was rejected");
+  if (frame->outcome == Outcome::kRejected) return NotFitted(sequence_number, "was rejected");
+  if (frame->outcome == Outcome::kSkipped) return NotFitted(sequence_number, "was skipped");
   SurfaceState state;
   if (config().quantum == 0) {
     state.vertices = frame->delta.positions.cast<double>();

@@ -52,7 +52,7 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfi
   std::lock_guard<std::mutex> create(create_mutex_);
   ASSIGN_OR_RETURN(const int64_t sessions, journal_->Count());
   if (sessions >= limits_.max_sessions) {
-    return LimitExceeded("sessions", sessions + 1, limits_.max_sessions);
+    return LimitExceeded("sessions", sessions + 1, limits_.max_sessions, absl::Seconds(30));
   }
   RETURN_IF_ERROR(journal_->Create(record));
   auto ledger =

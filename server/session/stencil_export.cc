@@ -47,7 +47,7 @@ absl::StatusOr<ExportedStencils> ExportStencils(const ControlMesh& mesh,
   } catch (const std::bad_alloc&) {
     return WithDetail(
         absl::ResourceExhaustedError("the server has no memory left for these stencils"),
-        {"LIMIT_EXCEEDED", "memory", "", ""});
+        {"LIMIT_EXCEEDED", "memory", "", "", absl::Seconds(1)});
   }
 }
 

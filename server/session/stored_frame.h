@@ -18,7 +18,11 @@
 
 namespace cagefit::server {
 
-enum class Outcome { kFitted, kRejected };
+enum class Outcome {
+  kFitted,
+  kRejected,
+  kSkipped,  // a newer frame came before this one was begun
+};
 
 // How the control vertices follow from those of the fitted frame before. One of `values`, `draco`
 // and `positions` is filled.

@@ -34,7 +34,7 @@ absl::StatusOr<std::string> ExportSurface(const ControlMesh& mesh,
   } catch (const std::bad_alloc&) {
     return WithDetail(
         absl::ResourceExhaustedError("the server has no memory left to refine this surface"),
-        {"LIMIT_EXCEEDED", "memory", "", ""});
+        {"LIMIT_EXCEEDED", "memory", "", "", absl::Seconds(1)});
   }
 }
 

@@ -1,4 +1,4 @@
-// A fixed number of threads that take tasks in turn from one queue per key.
+// A fixed number of workers that serve one queue per key, fair in time.
 #ifndef CAGEFIT_SERVER_SESSION_WORKER_POOL_H_
 #define CAGEFIT_SERVER_SESSION_WORKER_POOL_H_
 
@@ -13,41 +13,78 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/session/fair_queue.h"
 
 namespace cagefit::server {
 
-// Tasks of one key run one after another, in order. Keys that wait are served in turn, one task
-// each, so that a busy key does not starve the others. Thread-safe.
+// Milliseconds of a clock that never goes back.
+double SteadyMilliseconds();
+
+// Tasks of one key run one after another, in order. Of the keys that wait, the one that has used
+// the least time is served next (fair_queue.h); a long task that asks now and then gives way to
+// those that have used less. Thread-safe.
 class WorkerPool {
  public:
   using Task = std::function<void()>;
 
-  // `name` says what queues here, for errors. `max_queued` tasks may wait.
-  WorkerPool(std::string name, int threads, int64_t max_queued);
+  // A task keeps its worker for so long before it gives way.
+  static constexpr double kSliceMs = 30;
+
+  // `name` says what queues here, for errors. `max_queued` tasks may wait. `max_paused` may have
+  // given way at a time, each with a thread that sleeps.
+  WorkerPool(std::string name, int workers, int64_t max_queued, int max_paused = 0,
+             std::function<double()> clock = SteadyMilliseconds);
   // Runs what is queued, then ends.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // RESOURCE_EXHAUSTED, without running the task, when too many wait.
-  absl::Status Run(const std::string& key, Task task);
+  // RESOURCE_EXHAUSTED with a retry time, without running the task, when too many wait.
+  absl::Status Run(const std::string& key, Task task, Priority priority = Priority::kLive);
+
+  int64_t queued() const;  // tasks that wait
+
+  // Called by a task of this pool wherever it may be interrupted: returns once it is its key's turn
+  // again. Cheap when it is. Does nothing on other threads.
+  void GiveWay();
 
  private:
+  struct QueuedTask {
+    Task task;
+    Priority priority;
+  };
   struct Lane {
-    std::deque<Task> tasks;
-    bool running = false;
+    std::deque<QueuedTask> tasks;
+    bool begun = false;                   // a task of it has begun and not ended
+    bool paused = false;                  // and has given way
+    Priority priority = Priority::kLive;  // of that task
+    double since = 0;  // it has its worker, and is not charged for it, since then
+    double used = 0;   // before that, by that task
+    std::condition_variable resumed;
   };
 
   void Work();
+  // All under the lock.
+  void Dispatch();
+  void Charge(const std::string& key, Lane* lane);
+  void EndTask(const std::string& key, Lane* lane);
+  absl::Duration RetryAfter() const;
 
   const std::string name_;
+  const int workers_;
   const int64_t max_queued_;
-  std::mutex mutex_;
+  const int max_paused_;
+  const std::function<double()> clock_;
+
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool ending_ = false;
-  int64_t queued_ = 0;
-  std::map<std::string, Lane> lanes_;  // those with a task waiting or running
-  std::deque<std::string> ready_;      // keys with a waiting task and none running, in turn
+  int64_t queued_ = 0;  // tasks that have not begun
+  int running_ = 0, paused_ = 0;
+  double mean_task_ms_ = 100;  // of the last ones
+  FairQueue turns_;
+  std::map<std::string, Lane> lanes_;   // those with a task
+  std::deque<std::string> dispatched_;  // keys whose turn it is, for the next idle thread
   std::vector<std::thread> threads_;
 };
 

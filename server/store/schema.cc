@@ -30,6 +30,7 @@ CREATE TABLE session (
   next INTEGER NOT NULL,
   fitted INTEGER NOT NULL,
   rejected INTEGER NOT NULL,
+  skipped INTEGER NOT NULL,
   last_fitted INTEGER,
   bytes INTEGER NOT NULL,
   begun INTEGER NOT NULL

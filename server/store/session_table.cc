@@ -11,7 +11,7 @@ namespace cagefit::server {
 namespace {
 
 #define CAGEFIT_HEAD_COLUMNS \
-  "control_vertices, triangles, epoch, next, fitted, rejected, last_fitted, bytes"
+  "control_vertices, triangles, epoch, next, fitted, rejected, skipped, last_fitted, bytes"
 
 SessionHead ReadHead(const Query& row, int column) {
   SessionHead head;
@@ -21,8 +21,9 @@ SessionHead ReadHead(const Query& row, int column) {
   head.next_sequence_number = static_cast<uint64_t>(row.Int(column + 3));
   head.fitted_frames = static_cast<uint64_t>(row.Int(column + 4));
   head.rejected_frames = static_cast<uint64_t>(row.Int(column + 5));
-  if (!row.IsNull(column + 6)) head.last_fitted = static_cast<uint64_t>(row.Int(column + 6));
-  head.stored_bytes = row.Int(column + 7);
+  head.skipped_frames = static_cast<uint64_t>(row.Int(column + 6));
+  if (!row.IsNull(column + 7)) head.last_fitted = static_cast<uint64_t>(row.Int(column + 7));
+  head.stored_bytes = row.Int(column + 8);
   return head;
 }
 
@@ -60,12 +61,14 @@ absl::Status WriteHead(Database* database, int64_t session, const SessionHead& h
       Query query,
       Query::Make(database,
                   "UPDATE session SET control_vertices = ?, triangles = ?, next = ?, fitted = ?, "
-                  "rejected = ?, last_fitted = ?, bytes = ?, used = ?, begun = 0 WHERE key = ?"));
+                  "rejected = ?, skipped = ?, last_fitted = ?, bytes = ?, used = ?, begun = 0 "
+                  "WHERE key = ?"));
   query.Bind(static_cast<int64_t>(head.control_vertices))
       .Bind(static_cast<int64_t>(head.triangles))
       .Bind(static_cast<int64_t>(head.next_sequence_number))
       .Bind(static_cast<int64_t>(head.fitted_frames))
-      .Bind(static_cast<int64_t>(head.rejected_frames));
+      .Bind(static_cast<int64_t>(head.rejected_frames))
+      .Bind(static_cast<int64_t>(head.skipped_frames));
   if (head.last_fitted.has_value()) {
     query.Bind(static_cast<int64_t>(*head.last_fitted));
   } else {
@@ -91,7 +94,7 @@ absl::Status InsertSession(Database* database, const std::string& id, const Sess
       Query::Make(database,
                   "INSERT INTO session (id, owner, created, used, config, config_crc, template, "
                   "template_crc, " CAGEFIT_HEAD_COLUMNS
-                  ", begun) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0, 0, 0, NULL, 0, 0)"));
+                  ", begun) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0, 0, 0, 0, NULL, 0, 0)"));
   query.Bind(absl::string_view(id))
       .Bind(absl::string_view(row.owner))
       .Bind(absl::ToUnixNanos(row.created))

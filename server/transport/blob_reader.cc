@@ -35,8 +35,11 @@ void BlobReader::OnReadDone(bool ok) {
 void BlobReader::End() {
   const absl::Status complete = blob_.CheckComplete();
   if (!complete.ok()) return Finish(ToGrpc(complete, context_));
-  const absl::Status queued = state_.scheduler->queries.Run(
-      context_->peer(), [this] { Finish(ToGrpc(take_(blob_.bytes()), context_)); });
+  const absl::Status queued = state_.scheduler->queries.Run(context_->peer(), [this] {
+    const absl::Status taken =
+        context_->IsCancelled() ? CancelledCall(*context_) : take_(blob_.bytes());
+    Finish(ToGrpc(taken, context_));
+  });
   if (!queued.ok()) Finish(ToGrpc(queued, context_));
 }
 

@@ -11,7 +11,7 @@ BlobWriter* BlobWriter::Start(const ServiceState& state, grpc::CallbackServerCon
   auto* writer = new BlobWriter(state, context);
   const absl::Status queued =
       state.scheduler->queries.Run(context->peer(), [writer, make = std::move(make)] {
-        writer->Begin(writer->context_->IsCancelled() ? absl::CancelledError("cancelled") : make());
+        writer->Begin(writer->context_->IsCancelled() ? CancelledCall(*writer->context_) : make());
       });
   if (!queued.ok()) writer->Begin(queued);
   return writer;

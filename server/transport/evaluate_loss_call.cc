@@ -34,7 +34,9 @@ EvaluateLossCall::EvaluateLossCall(const ServiceState& state, grpc::CallbackServ
       decoded_(state.budget),
       reply_(state.budget) {}
 
-void EvaluateLossCall::End(const absl::Status& status) { Finish(ToGrpc(status, context_)); }
+void EvaluateLossCall::End(const absl::Status& status) {
+  Finish(ToGrpc(absl::IsCancelled(status) ? CancelledCall(*context_) : status, context_));
+}
 
 void EvaluateLossCall::OnReadDone(bool ok) {
   const absl::Status read = ok ? request_.Add(chunk_.total_bytes(), chunk_.data()) : QueueDecode();
@@ -69,7 +71,8 @@ absl::Status EvaluateLossCall::Decode() {
     RETURN_IF_ERROR(query_.frame->cloud.status());
     query_.frame->bytes = std::string();
   }
-  return state_.scheduler->fits.Run(query_.session_id, [this] { Reply(); });
+  return state_.scheduler->fits.Run(
+      query_.session_id, [this] { Reply(); }, ledger->config().priority);
 }
 
 absl::StatusOr<Loss> EvaluateLossCall::Evaluate() const {

@@ -11,6 +11,12 @@
 #include "server/transport/status_convert.h"
 
 namespace cagefit::server {
+namespace {
+
+// Complete frames in FRAME_MODE_LATEST that wait to be hashed: hashing is faster than a network.
+constexpr int kMaxArriving = 2;
+
+}  // namespace
 
 FitFramesCall* FitFramesCall::Start(const ServiceState* state,
                                     grpc::CallbackServerContext* context) {
@@ -29,6 +35,8 @@ FitFramesCall* FitFramesCall::Start(const ServiceState* state,
 FitFramesCall::FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context)
     : state_(state),
       context_(context),
+      deadline_(absl::FromChrono(context->deadline())),
+      key_(absl::StrCat(reinterpret_cast<uintptr_t>(this))),
       assembler_(state->store->session_limits().max_frame_bytes, state->budget) {}
 
 void FitFramesCall::OnReadDone(bool ok) {
@@ -50,7 +58,10 @@ void FitFramesCall::OnReadDone(bool ok) {
 
 absl::Status FitFramesCall::Take(v1::FitFramesRequest* request) {
   if (ledger_ == nullptr) {
-    if (request->has_open()) return StartOpening(request->open().session_id());
+    if (request->has_open()) {
+      RETURN_IF_ERROR(SetMode(request->open().mode()));
+      return StartOpening(request->open().session_id());
+    }
     return WithDetail(absl::InvalidArgumentError("open: expected as the first message"),
                       {"PROTOCOL_VIOLATION", "open", "", ""});
   }
@@ -58,10 +69,18 @@ absl::Status FitFramesCall::Take(v1::FitFramesRequest* request) {
   return received.has_value() ? Submit(*std::move(received)) : absl::OkStatus();
 }
 
+absl::Status FitFramesCall::SetMode(v1::FrameMode mode) {
+  if (!v1::FrameMode_IsValid(mode)) {
+    return InvalidField("open.mode", absl::StrCat(mode), "this server does not know that value");
+  }
+  is_latest_ = mode == v1::FRAME_MODE_LATEST;
+  return absl::OkStatus();
+}
+
 absl::Status FitFramesCall::StartOpening(const std::string& session_id) {
   // The journal writes to a disk.
   RETURN_IF_ERROR(state_->scheduler->decodes.Run(
-      PoolKey(), [self = shared_from_this(), session_id] { self->Open(session_id); }));
+      key_, [self = shared_from_this(), session_id] { self->Open(session_id); }));
   opening_ = true;
   return absl::OkStatus();
 }
@@ -81,38 +100,78 @@ void FitFramesCall::Open(const std::string& session_id) {
   v1::StreamOpened* message = outgoing.message.mutable_opened();
   message->set_epoch(epoch_);
   message->set_next_sequence_number(opened->opening.next_sequence_number);
-  message->set_frames_in_flight(kFramesInFlight);
+  message->set_frames_in_flight(FramesInFlight());
   Send(std::move(outgoing));
   ReadOn();
 }
 
-std::string FitFramesCall::PoolKey() const {
-  return absl::StrCat(reinterpret_cast<uintptr_t>(this));
-}
-
 absl::Status FitFramesCall::Submit(ReceivedFrame received) {
+  received.complete_ms = state_->clock();
   auto shared = std::make_shared<ReceivedFrame>(std::move(received));
-  RETURN_IF_ERROR(state_->scheduler->decodes.Run(
-      PoolKey(), [self = shared_from_this(), shared, ready_ms = state_->clock()] {
-        self->Decode(shared, ready_ms);
-      }));
+  if (is_latest_) {
+    RETURN_IF_ERROR(state_->scheduler->decodes.Run(
+        key_, [self = shared_from_this(), shared] { self->Arrive(shared); },
+        ledger_->config().priority));
+    ++arriving_;
+  } else {
+    RETURN_IF_ERROR(QueueDecode(std::move(shared)));
+  }
   ++in_flight_;
   return absl::OkStatus();
 }
 
-void FitFramesCall::Decode(std::shared_ptr<ReceivedFrame> received, double ready_ms) {
+absl::Status FitFramesCall::QueueDecode(std::shared_ptr<ReceivedFrame> received) {
+  return state_->scheduler->decodes.Run(
+      key_, [self = shared_from_this(), received] { self->Decode(received); },
+      ledger_->config().priority);
+}
+
+void FitFramesCall::Arrive(std::shared_ptr<ReceivedFrame> received) {
   if (abandoned_) return;
-  received->frame.queue_ms = state_->clock() - ready_ms;
+  HashFrame(&received->frame);
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    --arriving_;
+    latest_.Put(std::move(received));
+    ReadOn();
+    if (std::exchange(has_begun_, true)) return;
+  }
+  GoOnWithNewest();
+}
+
+void FitFramesCall::GoOnWithNewest() {
+  LatestFrames::Batch batch;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    batch = latest_.Take();
+    has_begun_ = batch.newest != nullptr;
+  }
+  // The answers of those that were overtaken, which come first; they are in the pool for fits.
+  for (const SkippedFrame& frame : batch.skipped) {
+    const absl::StatusOr<FrameAnswer> answer = Skip(frame);
+    if (!answer.ok()) return Stop(answer.status());
+    SendAnswer(*answer);
+  }
+  if (batch.newest == nullptr) return;
+  const absl::Status queued = QueueDecode(std::move(batch.newest));
+  if (!queued.ok()) Stop(queued);
+}
+
+void FitFramesCall::Decode(std::shared_ptr<ReceivedFrame> received) {
+  if (abandoned_) return;
   Frame& frame = received->frame;
+  frame.queue_ms = state_->clock() - received->complete_ms;
   const std::vector<Camera>& cameras = ledger_->config().cameras;
   const absl::Status room =
       received->reservation.Grow(DecodedMaskBytes(frame.stated_masks, cameras));
   if (!room.ok()) return Stop(room);
   DecodeFrame(state_->store->session_limits().decode, cameras, state_->clock, &frame);
   const absl::Status queued = state_->scheduler->fits.Run(
-      ledger_->id(), [self = shared_from_this(), received, ready_ms = state_->clock()] {
+      ledger_->id(),
+      [self = shared_from_this(), received, ready_ms = state_->clock()] {
         self->Fit(received, ready_ms);
-      });
+      },
+      ledger_->config().priority);
   if (!queued.ok()) Stop(queued);
 }
 
@@ -121,20 +180,33 @@ void FitFramesCall::Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms
   received->frame.queue_ms += state_->clock() - ready_ms;
   const absl::StatusOr<FrameAnswer> answer = Answer(std::move(received->frame));
   if (!answer.ok()) return Stop(answer.status());
-  LogFrame(*state_->log, ledger_->id(), *answer);
-  Outgoing outgoing;
-  *outgoing.message.mutable_frame() = ToProto(*answer, *ledger_);
-  outgoing.answers_frame = true;
-  std::lock_guard<std::mutex> lock(mutex_);
-  if (!abandoned_) Send(std::move(outgoing));
+  SendAnswer(*answer);
+  if (is_latest_) GoOnWithNewest();
 }
 
 absl::StatusOr<FrameAnswer> FitFramesCall::Answer(Frame frame) {
   ASSIGN_OR_RETURN(const SessionLease session, state_->store->Lease(ledger_->id()));
-  ASSIGN_OR_RETURN(FrameAnswer answer,
-                   session->Answer(std::move(frame), epoch_, [this] { return abandoned_.load(); }));
+  ASSIGN_OR_RETURN(FrameAnswer answer, session->Answer(std::move(frame), epoch_, [this] {
+    if (abandoned_) return true;
+    state_->scheduler->fits.GiveWay();
+    return abandoned_.load();
+  }));
   CAGEFIT_FAIL_POINT("stream.before_reply", answer.frame->sequence_number);
   return answer;
+}
+
+absl::StatusOr<FrameAnswer> FitFramesCall::Skip(const SkippedFrame& frame) {
+  ASSIGN_OR_RETURN(const SessionLease session, state_->store->Lease(ledger_->id()));
+  return session->Skip(frame, epoch_);
+}
+
+void FitFramesCall::SendAnswer(const FrameAnswer& answer) {
+  LogFrame(*state_->log, ledger_->id(), answer);
+  Outgoing outgoing;
+  *outgoing.message.mutable_frame() = ToProto(answer, *ledger_);
+  outgoing.answers_frame = true;
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!abandoned_) Send(std::move(outgoing));
 }
 
 void FitFramesCall::Send(Outgoing outgoing) {
@@ -162,7 +234,7 @@ void FitFramesCall::OnCancel() {
   std::lock_guard<std::mutex> lock(mutex_);
   // The one that is being written stays until OnWriteDone.
   outgoing_.erase(outgoing_.begin() + (writing_ ? 1 : 0), outgoing_.end());
-  EndNow(absl::CancelledError("the client cancelled the stream or its deadline passed"));
+  EndNow(absl::CancelledError("the client cancelled the stream"));
 }
 
 void FitFramesCall::Stop(const absl::Status& status) {
@@ -190,7 +262,8 @@ void FitFramesCall::EndNow(const absl::Status& status) {
 }
 
 void FitFramesCall::ReadOn() {
-  if (opening_ || reading_ || end_.has_value() || in_flight_ >= kFramesInFlight) return;
+  if (opening_ || reading_ || end_.has_value() || in_flight_ >= FramesInFlight()) return;
+  if (arriving_ >= kMaxArriving) return;
   reading_ = true;
   StartRead(&request_);
 }
@@ -205,6 +278,7 @@ void FitFramesCall::MoveOn() {
   if (!end_.has_value() || opening_ || (in_flight_ > 0 && !abandoned_)) return;
   finished_ = true;
   abandoned_ = true;
+  end_ = NamingDeadline(*end_, deadline_);
   Finish(ToGrpc(*end_, context_));
 }
 

@@ -2,7 +2,8 @@
 //
 // Reactions and tasks only move the stream's own state along, under its mutex; hashing, decoding
 // and fitting run in the scheduler's pools. At most kFramesInFlight complete frames are unanswered:
-// then nothing is read, and the client feels it.
+// then nothing is read, and the client feels it. In FRAME_MODE_LATEST at most kLatestInFlight are:
+// one that is decoded or fitted, the newest, and what is left of those between.
 #ifndef CAGEFIT_SERVER_TRANSPORT_FIT_FRAMES_CALL_H_
 #define CAGEFIT_SERVER_TRANSPORT_FIT_FRAMES_CALL_H_
 
@@ -17,11 +18,13 @@
 
 #include "cagefit/v1/fitting.grpc.pb.h"
 #include "server/transport/frame_assembler.h"
+#include "server/transport/latest_frames.h"
 #include "server/transport/service_state.h"
 
 namespace cagefit::server {
 
 inline constexpr int kFramesInFlight = 2;
+inline constexpr int kLatestInFlight = 64;
 
 class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>,
                       public DrainableStream,
@@ -44,11 +47,11 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
 
   FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context);
 
-  std::string PoolKey() const;
-
   // Under the mutex.
   absl::Status Take(v1::FitFramesRequest* request);
   absl::Status StartOpening(const std::string& session_id);
+  absl::Status SetMode(v1::FrameMode mode);
+  int FramesInFlight() const { return is_latest_ ? kLatestInFlight : kFramesInFlight; }
   absl::Status Submit(ReceivedFrame received);
   void Send(Outgoing outgoing);
   void EndAfterFrames(const absl::Status& status);  // those in flight are still answered
@@ -58,13 +61,20 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
 
   // In the pools.
   void Open(const std::string& session_id);
-  void Decode(std::shared_ptr<ReceivedFrame> received, double ready_ms);
+  absl::Status QueueDecode(std::shared_ptr<ReceivedFrame> received);
+  void Arrive(std::shared_ptr<ReceivedFrame> received);  // in FRAME_MODE_LATEST
+  void GoOnWithNewest();                                 // likewise
+  void Decode(std::shared_ptr<ReceivedFrame> received);
   void Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms);
   absl::StatusOr<FrameAnswer> Answer(Frame frame);
+  absl::StatusOr<FrameAnswer> Skip(const SkippedFrame& frame);
+  void SendAnswer(const FrameAnswer& answer);
   void Stop(const absl::Status& status);  // EndNow from outside
 
   const ServiceState* const state_;
   grpc::CallbackServerContext* const context_;
+  const absl::Time deadline_;
+  const std::string key_;                // in the pool for decodes
   std::shared_ptr<FitFramesCall> self_;  // until OnDone
   std::atomic<bool> abandoned_{false};   // frames in flight are not wanted any more
 
@@ -74,6 +84,13 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   std::shared_ptr<SessionLedger> ledger_;  // once open; then constant, as is epoch_
   uint64_t epoch_ = 0;
   int in_flight_ = 0;  // complete frames whose answers are not written
+
+  // FRAME_MODE_LATEST.
+  bool is_latest_ = false;
+  int arriving_ = 0;        // complete frames that are not hashed
+  bool has_begun_ = false;  // a frame is decoded or fitted
+  LatestFrames latest_;
+
   bool opening_ = false, reading_ = false, writing_ = false, finished_ = false;
   std::deque<Outgoing> outgoing_;  // the first one is being written while writing_
   std::optional<absl::Status> end_;

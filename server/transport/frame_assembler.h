@@ -20,6 +20,7 @@ inline constexpr size_t kMaxChunkBytes = 1 << 20;
 struct ReceivedFrame {
   Frame frame;
   ByteReservation reservation;
+  double complete_ms = 0;  // when it was
 };
 
 // INVALID_ARGUMENT naming `field` for a value that is not known.

@@ -28,6 +28,10 @@ void LogFrame(spdlog::logger& log, const std::string& session_id, const FrameAns
     log.info("frame session={} frame={} outcome=repeated", session_id, frame.sequence_number);
     return;
   }
+  if (frame.outcome == Outcome::kSkipped) {
+    log.info("frame session={} frame={} outcome=skipped", session_id, frame.sequence_number);
+    return;
+  }
   if (frame.outcome == Outcome::kRejected) {
     log.warn(
         "frame session={} frame={} points={} outcome=rejected code={} error={} queue_ms={:.2f} "

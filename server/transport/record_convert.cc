@@ -92,6 +92,7 @@ static_assert(FromTheWire<Verdict>(v1::VERDICT_SUSPECT) == Verdict::kSuspect);
 static_assert(FromTheWire<Verdict>(v1::VERDICT_LOST) == Verdict::kLost);
 static_assert(FromTheWire<Outcome>(v1::OUTCOME_FITTED) == Outcome::kFitted);
 static_assert(FromTheWire<Outcome>(v1::OUTCOME_REJECTED) == Outcome::kRejected);
+static_assert(FromTheWire<Outcome>(v1::OUTCOME_SKIPPED) == Outcome::kSkipped);
 static_assert(FromTheWire<ToleranceEnd>(v1::TOLERANCE_END_WITHIN) == ToleranceEnd::kWithin);
 static_assert(FromTheWire<ToleranceEnd>(v1::TOLERANCE_END_VERTEX_LIMIT) ==
               ToleranceEnd::kVertexLimit);
@@ -199,6 +200,9 @@ absl::StatusOr<std::shared_ptr<const StoredFrame>> ProtoRecordCodec::DecodeFrame
     case v1::OUTCOME_REJECTED:
       frame->outcome = Outcome::kRejected;
       frame->error = FromProto(reply.error());
+      break;
+    case v1::OUTCOME_SKIPPED:
+      frame->outcome = Outcome::kSkipped;
       break;
     default:
       return Broken("answer (its outcome)");

@@ -114,6 +114,10 @@ v1::FrameReply ToProto(const StoredFrame& frame) {
   v1::FrameReply reply;
   reply.set_sequence_number(frame.sequence_number);
   if (frame.timestamp.has_value()) *reply.mutable_timestamp() = ToProto(*frame.timestamp);
+  if (frame.outcome == Outcome::kSkipped) {
+    reply.set_outcome(v1::OUTCOME_SKIPPED);
+    return reply;
+  }
   reply.set_points(frame.points);
   Fill(frame.ms, reply.mutable_milliseconds());
   if (frame.outcome == Outcome::kRejected) {

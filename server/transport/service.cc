@@ -30,8 +30,7 @@ grpc::ServerUnaryReactor* RunUnary(const ServiceState& state, grpc::CallbackServ
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   const absl::Status queued =
       state.scheduler->queries.Run(context->peer(), [reactor, context, work = std::move(work)] {
-        reactor->Finish(
-            ToGrpc(context->IsCancelled() ? absl::CancelledError("cancelled") : work(), context));
+        reactor->Finish(ToGrpc(context->IsCancelled() ? CancelledCall(*context) : work(), context));
       });
   if (!queued.ok()) reactor->Finish(ToGrpc(queued, context));
   return reactor;

@@ -40,6 +40,17 @@ absl::Status ReadOptions(const v1::SessionOptions& proto, SessionConfig* config)
       return InvalidField("options.delta_encoding", absl::StrCat(proto.delta_encoding()),
                           "this server does not know that value");
   }
+  switch (proto.priority()) {
+    case v1::PRIORITY_UNSPECIFIED:
+    case v1::PRIORITY_LIVE:
+      break;
+    case v1::PRIORITY_BATCH:
+      config->priority = Priority::kBatch;
+      break;
+    default:
+      return InvalidField("options.priority", absl::StrCat(proto.priority()),
+                          "this server does not know that value");
+  }
   return absl::OkStatus();
 }
 
@@ -171,6 +182,8 @@ v1::SessionOptions ToProto(const SessionConfig& config) {
     }
   }
   for (const Camera& camera : config.cameras) *options.add_cameras() = ToProto(camera);
+  options.set_priority(config.priority == Priority::kBatch ? v1::PRIORITY_BATCH
+                                                           : v1::PRIORITY_LIVE);
   return options;
 }
 
@@ -188,6 +201,7 @@ v1::Session ToProto(const SessionLedger& ledger) {
   session.set_control_vertices(facts.control_vertices);
   session.set_triangles(facts.triangles);
   session.set_stream_attached(facts.stream_attached);
+  session.set_skipped_frames(facts.skipped_frames);
   return session;
 }
 

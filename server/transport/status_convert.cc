@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/time/clock.h"
 #include "server/session/error_detail.h"
 
 namespace cagefit::server {
@@ -14,6 +15,9 @@ namespace {
 // Statuses and details travel as HTTP/2 headers, of which clients take 8 KiB.
 constexpr size_t kMaxMessageBytes = 2000;
 constexpr size_t kMaxPartBytes = 200;
+// The client's clock ends the call a little before this one's does: deadlines are rounded up on the
+// way.
+constexpr absl::Duration kDeadlineSlack = absl::Milliseconds(100);
 
 // Bytes of the UTF-8 character that `text` (not empty) begins with (RFC 3629); 0 when it is none.
 size_t CharacterBytes(absl::string_view text) {
@@ -56,6 +60,12 @@ v1::ErrorDetail ToProto(const ErrorDetail& detail) {
   message.set_field(Cut(detail.field, kMaxPartBytes));
   message.set_value(Cut(detail.value, kMaxPartBytes));
   message.set_limit(Cut(detail.limit, kMaxPartBytes));
+  if (detail.retry_after > absl::ZeroDuration()) {
+    absl::Duration rest;
+    message.mutable_retry_after()->set_seconds(
+        absl::IDivDuration(detail.retry_after, absl::Seconds(1), &rest));
+    message.mutable_retry_after()->set_nanos(static_cast<int32_t>(absl::ToInt64Nanoseconds(rest)));
+  }
   return message;
 }
 
@@ -68,6 +78,16 @@ grpc::Status ToGrpc(const absl::Status& status, grpc::CallbackServerContext* con
   }
   return grpc::Status(static_cast<grpc::StatusCode>(status.raw_code()),
                       Cut(status.message(), kMaxMessageBytes));
+}
+
+absl::Status NamingDeadline(const absl::Status& status, absl::Time deadline) {
+  if (!absl::IsCancelled(status) || absl::Now() + kDeadlineSlack < deadline) return status;
+  return absl::DeadlineExceededError("the deadline of the call has passed");
+}
+
+absl::Status CancelledCall(const grpc::CallbackServerContext& context) {
+  return NamingDeadline(absl::CancelledError("the client cancelled the call"),
+                        absl::FromChrono(context.deadline()));
 }
 
 v1::FrameError ToProto(const absl::Status& status) {
@@ -85,7 +105,9 @@ absl::Status FromProto(const v1::FrameError& error) {
   if (!error.has_detail()) return status;
   const v1::ErrorDetail& detail = error.detail();
   return WithDetail(std::move(status),
-                    {detail.reason(), detail.field(), detail.value(), detail.limit()});
+                    {detail.reason(), detail.field(), detail.value(), detail.limit(),
+                     absl::Seconds(detail.retry_after().seconds()) +
+                         absl::Nanoseconds(detail.retry_after().nanos())});
 }
 
 }  // namespace cagefit::server

@@ -19,7 +19,9 @@ absl::Status StreamRegistry::Add(const std::shared_ptr<DrainableStream>& stream)
   std::lock_guard<std::mutex> lock(mutex_);
   if (draining_) return ShuttingDown();
   const int64_t streams = static_cast<int64_t>(streams_.size());
-  if (streams >= max_streams_) return LimitExceeded("open streams", streams + 1, max_streams_);
+  if (streams >= max_streams_) {
+    return LimitExceeded("open streams", streams + 1, max_streams_, absl::Seconds(5));
+  }
   streams_.emplace(stream.get(), stream);
   return absl::OkStatus();
 }

@@ -40,6 +40,17 @@ TEST(FitReportTest, FramesThatWereNeverAnsweredAreNotRefused) {
   EXPECT_EQ(Totals(report).unanswered, 1);
 }
 
+TEST(FitReportTest, SkippedFramesAreNotRefused) {
+  FitReport report = ThreeFrames();
+  report.frames[1].reply.set_outcome(v1::OUTCOME_SKIPPED);
+  EXPECT_EQ(Totals(report).refused, 0);
+  EXPECT_EQ(Totals(report).skipped, 1);
+  EXPECT_EQ(ReportJson(report)["total"]["skipped"], 1);
+  std::ostringstream table;
+  PrintFitTable(report, table);
+  EXPECT_THAT(table.str(), HasSubstr("2 of 3 frames fitted, 1 skipped, 0 refused"));
+}
+
 TEST(FitReportTest, JsonHoldsEveryFrame) {
   const Json json = ReportJson(ThreeFrames());
   ASSERT_EQ(json["frames"].size(), 3u);

@@ -45,6 +45,12 @@ TEST(ErrorDetailTest, ALimitNamesFieldValueAndLimit) {
   EXPECT_EQ(detail->limit, "16");
 }
 
+TEST(ErrorDetailTest, ALimitThatPassesSaysAfterWhatTime) {
+  EXPECT_EQ(DetailOf(LimitExceeded("points", 17, 16))->retry_after, absl::ZeroDuration());
+  const absl::Status busy = LimitExceeded("queued fits", 2, 1, absl::Milliseconds(1500));
+  EXPECT_EQ(DetailOf(busy)->retry_after, absl::Milliseconds(1500));
+}
+
 TEST(ErrorDetailTest, AnInvalidFieldNamesFieldValueAndWhatWasExpected) {
   const absl::Status status = InvalidField("levels", "9", "expected 0 to 5");
   EXPECT_TRUE(absl::IsInvalidArgument(status));

@@ -639,5 +639,65 @@ TEST(SessionTest, ALossNamesWhatItCannotTake) {
   }
 }
 
+// ---- Skipped frames ----
+
+SkippedFrame SkippedMovingFrame(uint64_t number) {
+  return {number, std::nullopt, MovingFrame(number).digest};
+}
+
+TEST(SessionTest, ASkippedFrameIsAnsweredAndLeavesTheSurfaceAsItWas) {
+  OpenSession session(CageConfig()), other(CageConfig());
+  ASSERT_TRUE(session.Answer(MovingFrame(0)).ok());
+  const auto skipped = session.session.Skip(SkippedMovingFrame(1), session.epoch);
+  ASSERT_TRUE(skipped.ok()) << skipped.status();
+  EXPECT_EQ(skipped->frame->outcome, Outcome::kSkipped);
+  EXPECT_FALSE(skipped->repeated);
+  EXPECT_EQ(session.ledger->Facts().next_sequence_number, 2u);
+  EXPECT_EQ(session.ledger->Facts().skipped_frames, 1u);
+  EXPECT_EQ(session.ledger->Facts().rejected_frames, 0u);
+  EXPECT_TRUE(absl::IsNotFound(session.ledger->MeshOfFrame(1).status()));
+
+  // The next fit does not know of it.
+  const auto fitted = session.Answer(MovingFrame(2));
+  ASSERT_TRUE(fitted.ok()) << fitted.status();
+  EXPECT_FALSE(fitted->frame->delta.key);
+  ASSERT_TRUE(other.Answer(MovingFrame(0)).ok());
+  Frame second = MovingFrame(2);
+  second.sequence_number = 1;
+  ASSERT_TRUE(other.Answer(std::move(second)).ok());
+  EXPECT_EQ(session.Vertices(2), other.Vertices(1));
+}
+
+TEST(SessionTest, ASkippedFrameThatComesAgainGetsItsStoredAnswer) {
+  OpenSession session(CageConfig());
+  ASSERT_TRUE(session.session.Skip(SkippedMovingFrame(0), session.epoch).ok());
+  ASSERT_TRUE(session.Answer(MovingFrame(1)).ok());
+  session.Reopen();
+  const auto again = session.Answer(MovingFrame(0));
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->frame->outcome, Outcome::kSkipped);
+  EXPECT_TRUE(again->repeated);
+  // One that was fitted may be overtaken when it comes again.
+  const auto fitted = session.session.Skip(SkippedMovingFrame(1), session.epoch);
+  ASSERT_TRUE(fitted.ok()) << fitted.status();
+  EXPECT_EQ(fitted->frame->outcome, Outcome::kFitted);
+  EXPECT_TRUE(fitted->repeated);
+
+  SkippedFrame changed = SkippedMovingFrame(0);
+  changed.digest[0] ^= 1;
+  EXPECT_TRUE(absl::IsAlreadyExists(session.session.Skip(changed, session.epoch).status()));
+}
+
+TEST(SessionTest, FramesAreSkippedInOrderAndByTheStreamThatIsOpen) {
+  OpenSession session(CageConfig());
+  const absl::Status gap = session.session.Skip(SkippedMovingFrame(1), session.epoch).status();
+  EXPECT_TRUE(absl::IsOutOfRange(gap)) << gap;
+  const uint64_t old_epoch = session.epoch;
+  session.Reopen();
+  const absl::Status old = session.session.Skip(SkippedMovingFrame(0), old_epoch).status();
+  EXPECT_TRUE(absl::IsAborted(old)) << old;
+  EXPECT_EQ(session.ledger->Facts().next_sequence_number, 0u);
+}
+
 }  // namespace
 }  // namespace cagefit::server

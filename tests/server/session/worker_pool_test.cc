@@ -72,7 +72,7 @@ TEST(WorkerPoolTest, DifferentKeysRunAtTheSameTime) {
 TEST(WorkerPoolTest, ABusyKeyDoesNotStarveTheOthers) {
   std::vector<std::string> order;
   {
-    WorkerPool pool("tasks", 1, 100);
+    WorkerPool pool("tasks", 1, 100, 0, [] { return 0.0; });
     Gate gate;
     gate.HoldOneWorkerOf(&pool);
     for (const char* key : {"busy", "busy", "busy", "a", "a", "b"}) {
@@ -152,6 +152,172 @@ TEST(WorkerPoolTest, WhatATaskHoldsGoesBeforeTheNextOneOfItsKeyStarts) {
     ASSERT_TRUE(pool.Run("key", [&] { gone = watch.expired(); }).ok());
   }
   EXPECT_EQ(gone, true);
+}
+
+// A clock that tasks move.
+class Time {
+ public:
+  std::function<double()> Clock() {
+    return [this] { return ms_.load(); };
+  }
+  void Pass(double ms) { ms_ = ms_ + ms; }
+
+ private:
+  std::atomic<double> ms_{0};
+};
+
+TEST(WorkerPoolTest, KeysGetTheSameTimeWhateverTheirTasksTake) {
+  Time time;
+  std::map<std::string, double> used;
+  std::map<std::string, double> at_half_time;
+  {
+    WorkerPool pool("tasks", 1, 10'000, 0, time.Clock());
+    Gate gate;
+    gate.HoldOneWorkerOf(&pool);
+    const auto add = [&](const std::string& key, int tasks, double ms) {
+      for (int k = 0; k < tasks; ++k) {
+        ASSERT_TRUE(pool.Run(key,
+                             [&used, &at_half_time, &time, key, ms] {
+                               used[key] += ms;
+                               time.Pass(ms);
+                               if (key == "large" && used[key] == 2000) at_half_time = used;
+                             })
+                        .ok());
+      }
+    };
+    add("large", 4, 1000);
+    add("a", 200, 20);
+    add("b", 200, 20);
+    gate.Open();
+  }
+  EXPECT_NEAR(at_half_time["a"], 1000, 40);
+  EXPECT_NEAR(at_half_time["b"], 1000, 40);
+}
+
+TEST(WorkerPoolTest, ALongTaskGivesWayToAKeyThatHasUsedLess) {
+  Time time;
+  std::vector<std::string> order;
+  std::promise<void> begun;
+  {
+    WorkerPool pool("tasks", 1, 100, 1, time.Clock());
+    std::promise<void> waiting;
+    ASSERT_TRUE(pool.Run("large",
+                         [&] {
+                           begun.set_value();
+                           waiting.get_future().wait();
+                           time.Pass(WorkerPool::kSliceMs - 1);
+                           pool.GiveWay();  // too early
+                           order.push_back("large begins");
+                           time.Pass(2);
+                           pool.GiveWay();
+                           order.push_back("large ends");
+                         })
+                    .ok());
+    begun.get_future().wait();
+    ASSERT_TRUE(pool.Run("small", [&order] { order.push_back("small"); }).ok());
+    waiting.set_value();
+  }
+  EXPECT_THAT(order, ElementsAre("large begins", "small", "large ends"));
+}
+
+TEST(WorkerPoolTest, ATaskGoesOnWhereNobodyWaitsOrNoMoreMayPause) {
+  Time time;
+  std::vector<std::string> order;
+  {
+    WorkerPool pool("tasks", 1, 100, 0, time.Clock());
+    Gate gate;
+    gate.HoldOneWorkerOf(&pool);
+    ASSERT_TRUE(pool.Run("large",
+                         [&] {
+                           time.Pass(1000);
+                           pool.GiveWay();
+                           order.push_back("large");
+                         })
+                    .ok());
+    ASSERT_TRUE(pool.Run("small", [&order] { order.push_back("small"); }).ok());
+    gate.Open();
+  }
+  EXPECT_THAT(order, ElementsAre("large", "small"));
+}
+
+TEST(WorkerPoolTest, OtherThreadsNeverGiveWay) {
+  WorkerPool pool("tasks", 1, 100, 1, [] { return 1e9; });
+  pool.GiveWay();
+}
+
+// Two large fits on two workers hold up small ones for a slice, not for as long as they take.
+TEST(WorkerPoolTest, AllWorkersMayBeGivenWayTo) {
+  std::atomic<bool> small_ran{false};
+  {
+    WorkerPool pool("tasks", 2, 100, 2);
+    std::promise<void> begun[2];
+    for (int k = 0; k < 2; ++k) {
+      ASSERT_TRUE(pool.Run(absl::StrCat("large", k),
+                           [&, k] {
+                             begun[k].set_value();
+                             while (!small_ran) {
+                               pool.GiveWay();
+                               std::this_thread::yield();
+                             }
+                           })
+                      .ok());
+    }
+    for (auto& promise : begun) promise.get_future().wait();
+    ASSERT_TRUE(pool.Run("small", [&small_ran] { small_ran = true; }).ok());
+  }
+  EXPECT_TRUE(small_ran);
+}
+
+TEST(WorkerPoolTest, ARefusalSaysWhenToTryAgain) {
+  WorkerPool pool("tasks", 1, 0);
+  const auto detail = DetailOf(pool.Run("key", [] {}));
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_GT(detail->retry_after, absl::ZeroDuration());
+  EXPECT_LE(detail->retry_after, absl::Seconds(30));
+}
+
+TEST(WorkerPoolTest, BatchWorkWaitsForLiveWork) {
+  Time time;
+  std::vector<std::string> order;
+  {
+    WorkerPool pool("tasks", 1, 100, 0, time.Clock());
+    Gate gate;
+    gate.HoldOneWorkerOf(&pool);
+    const auto add = [&](const char* key, Priority priority) {
+      ASSERT_TRUE(pool.Run(
+                          key,
+                          [&order, &time, key] {
+                            order.push_back(key);
+                            time.Pass(10);
+                          },
+                          priority)
+                      .ok());
+    };
+    for (int k = 0; k < 3; ++k) add("batch", Priority::kBatch);
+    for (int k = 0; k < 3; ++k) add("live", Priority::kLive);
+    gate.Open();
+  }
+  // One turn is the share that batch work has in any case.
+  EXPECT_THAT(order, ElementsAre("live", "batch", "live", "live", "batch", "batch"));
+}
+
+TEST(WorkerPoolTest, ManyKeysThatGiveWayAllComeToTheirEnd) {
+  std::atomic<int> ran{0};
+  {
+    WorkerPool pool("tasks", 2, 1000, 3);
+    for (int k = 0; k < 100; ++k) {
+      ASSERT_TRUE(pool.Run(
+                          absl::StrCat(k % 20),
+                          [&] {
+                            const double end = SteadyMilliseconds() + 2 + k % 50;
+                            while (SteadyMilliseconds() < end) pool.GiveWay();
+                            ++ran;
+                          },
+                          k % 3 == 0 ? Priority::kBatch : Priority::kLive)
+                      .ok());
+    }
+  }
+  EXPECT_EQ(ran, 100);
 }
 
 }  // namespace

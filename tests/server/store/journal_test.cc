@@ -138,6 +138,22 @@ TEST_P(JournalTest, KeepsAnswersTheirOutlinesAndTheTemplateThatOneMade) {
   EXPECT_EQ(head.stored_bytes, fitted->StoredBytes() + RejectedAnswer(0)->StoredBytes());
 }
 
+TEST_P(JournalTest, CountsEveryKindOfAnswer) {
+  ASSERT_TRUE(journal_->Create(RecordOf("one")).ok());
+  const uint64_t epoch = Open("one");
+  const std::vector<Outcome> outcomes = {Outcome::kSkipped, Outcome::kRejected, Outcome::kSkipped};
+  for (size_t number = 0; number < outcomes.size(); ++number) {
+    const auto answer = RejectedAnswer(number);
+    answer->outcome = outcomes[number];
+    ASSERT_TRUE(journal_->Append("one", epoch, answer, nullptr).ok());
+  }
+  const SessionHead head = journal_->Load("one")->head;
+  EXPECT_EQ(head.skipped_frames, 2u);
+  EXPECT_EQ(head.rejected_frames, 1u);
+  EXPECT_EQ(head.fitted_frames, 0u);
+  EXPECT_EQ(journal_->Read("one", 2).value()->outcome, Outcome::kSkipped);
+}
+
 TEST_P(JournalTest, ADeletedSessionTakesItsAnswersAlong) {
   ASSERT_TRUE(journal_->Create(RecordOf("one")).ok());
   const uint64_t epoch = Open("one");

@@ -1,7 +1,12 @@
 #include "server/transport/fit_frames_call.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <thread>
+
+#include "absl/time/clock.h"
 #include "tests/server/transport/service_fixture.h"
 
 namespace cagefit::server {
@@ -17,10 +22,15 @@ using testing::TestService;
 class RawStream {
  public:
   explicit RawStream(TestService* service) : stream_(service->stub->FitFrames(&context_)) {}
+  RawStream(TestService* service, absl::Duration deadline) {
+    context_.set_deadline(absl::ToChronoTime(absl::Now() + deadline));
+    stream_ = service->stub->FitFrames(&context_);
+  }
 
-  bool Open(const std::string& session_id) {
+  bool Open(const std::string& session_id, v1::FrameMode mode = v1::FRAME_MODE_UNSPECIFIED) {
     v1::FitFramesRequest request;
     request.mutable_open()->set_session_id(session_id);
+    request.mutable_open()->set_mode(mode);
     return stream_->Write(request) && Read();
   }
   void Header(uint64_t number, uint64_t total_bytes) {
@@ -186,6 +196,115 @@ TEST(FitFramesCallTest, DrainingAnswersNoNewStream) {
   RawStream late(&service);
   EXPECT_FALSE(late.Open(id));
   EXPECT_EQ(late.End(), grpc::StatusCode::UNAVAILABLE);
+}
+
+// ---- FRAME_MODE_LATEST ----
+
+// Keeps the fits of a session waiting until it is destroyed.
+class HeldFits {
+ public:
+  HeldFits(TestService* service, const std::string& session_id) {
+    EXPECT_TRUE(service->scheduler.fits
+                    .Run(session_id, [held = let_go_.get_future().share()] { held.wait(); })
+                    .ok());
+  }
+  ~HeldFits() { let_go_.set_value(); }
+
+ private:
+  std::promise<void> let_go_;
+};
+
+// Until a condition holds, which it must before long.
+void WaitFor(const std::function<bool()>& condition) {
+  const absl::Time end = absl::Now() + absl::Seconds(30);
+  while (!condition()) {
+    ASSERT_LT(absl::Now(), end);
+    absl::SleepFor(absl::Milliseconds(1));
+  }
+}
+
+// Opens a stream and sends `frames` frames while the first one waits to be fitted.
+void SendWhileTheFirstWaits(TestService* service, const std::string& id, uint64_t frames,
+                            RawStream* stream) {
+  ASSERT_TRUE(stream->Open(id, v1::FRAME_MODE_LATEST));
+  EXPECT_EQ(stream->reply.opened().frames_in_flight(), static_cast<uint32_t>(kLatestInFlight));
+  const HeldFits held(service, id);
+  stream->Frame(0);
+  WaitFor([service] { return service->scheduler.fits.queued() == 1; });
+  const int64_t of_first = service->budget.taken();
+  for (uint64_t number = 1; number < frames; ++number) stream->Frame(number);
+  // All have arrived, and of those that wait only the last is still there.
+  const auto last = static_cast<int64_t>(FrameBytes(MovingCloud(frames - 1)).size());
+  WaitFor([&] { return service->budget.taken() == of_first + last; });
+}
+
+TEST(FitFramesCallTest, InLatestModeTheNewestFrameThatWaitsIsFittedNext) {
+  TestService service;
+  const std::string id = service.CreateSession();
+  RawStream stream(&service);
+  SendWhileTheFirstWaits(&service, id, 6, &stream);
+  for (uint64_t number = 0; number < 6; ++number) {
+    ASSERT_TRUE(stream.Read());
+    EXPECT_EQ(stream.reply.frame().sequence_number(), number);
+    const bool is_fitted = number == 0 || number == 5;
+    EXPECT_EQ(stream.reply.frame().outcome(), is_fitted ? v1::OUTCOME_FITTED : v1::OUTCOME_SKIPPED);
+    EXPECT_EQ(stream.reply.frame().has_delta(), is_fitted);
+  }
+  // And it goes on.
+  stream.Frame(6);
+  ASSERT_TRUE(stream.Read());
+  EXPECT_EQ(stream.reply.frame().outcome(), v1::OUTCOME_FITTED);
+  stream.CloseSending();
+  EXPECT_EQ(stream.End(), grpc::StatusCode::OK);
+  EXPECT_EQ((*service.store.Find(id))->Facts().skipped_frames, 4u);
+  service.WaitForFits(id);
+  EXPECT_EQ(service.budget.taken(), 0);
+}
+
+TEST(FitFramesCallTest, InLatestModeASlowReaderGetsEveryAnswer) {
+  TestService service;
+  const std::string id = service.CreateSession();
+  RawStream stream(&service);
+  ASSERT_TRUE(stream.Open(id, v1::FRAME_MODE_LATEST));
+  constexpr uint64_t kFrames = 3 * kLatestInFlight;
+  std::thread sender([&stream] {
+    for (uint64_t number = 0; number < kFrames; ++number) stream.Frame(number);
+    stream.CloseSending();
+  });
+  for (uint64_t number = 0; number < kFrames; ++number) {
+    ASSERT_TRUE(stream.Read());
+    EXPECT_EQ(stream.reply.frame().sequence_number(), number);
+  }
+  sender.join();
+  EXPECT_EQ(stream.reply.frame().outcome(), v1::OUTCOME_FITTED) << "the last one always is";
+  EXPECT_EQ(stream.End(), grpc::StatusCode::OK);
+}
+
+TEST(FitFramesCallTest, AModeThatIsNotKnownIsRefused) {
+  TestService service;
+  RawStream stream(&service);
+  EXPECT_FALSE(stream.Open(service.CreateSession(), static_cast<v1::FrameMode>(7)));
+  EXPECT_EQ(stream.End(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(stream.detail().field(), "open.mode");
+}
+
+// ---- Deadlines ----
+
+TEST(FitFramesCallTest, ADeadlineEndsTheStreamByThatNameAndConsumesNothing) {
+  TestService service;
+  const std::string id = service.CreateSession();
+  RawStream stream(&service, absl::Seconds(1));
+  ASSERT_TRUE(stream.Open(id));
+  {
+    const HeldFits held(&service, id);
+    stream.Frame(0);
+    EXPECT_EQ(stream.End(), grpc::StatusCode::DEADLINE_EXCEEDED);
+    // What the server itself says: the client would say the same for any cancelled call.
+    WaitFor([&service] { return !service.log->last_formatted().empty(); });
+    EXPECT_THAT(service.log->last_formatted().front(), ::testing::HasSubstr("code=4 "));
+  }
+  service.WaitForFits(id);
+  EXPECT_EQ((*service.store.Find(id))->Facts().next_sequence_number, 0u);
 }
 
 }  // namespace

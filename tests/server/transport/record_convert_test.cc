@@ -72,6 +72,15 @@ TEST(RecordConvertTest, EveryKindOfAnswerComesBack) {
   }
 }
 
+TEST(RecordConvertTest, ASkippedFrameComesBack) {
+  StoredFrame skipped;
+  skipped.sequence_number = 7;
+  skipped.outcome = Outcome::kSkipped;
+  skipped.digest.fill(5);
+  ExpectSame(skipped);
+  EXPECT_EQ(kCodec.DecodeFrame(kCodec.EncodeFrame(skipped)).value()->outcome, Outcome::kSkipped);
+}
+
 TEST(RecordConvertTest, AConfigurationComesBackWithEveryOptionInForce) {
   SessionConfig config = CageConfig();
   config.fit = FitOptions::Paper();
@@ -79,6 +88,7 @@ TEST(RecordConvertTest, AConfigurationComesBackWithEveryOptionInForce) {
   config.fit.distance.radius = 1.0 / 3;
   config.quantum = 1e-7;
   config.key_interval = 17;
+  config.priority = Priority::kBatch;
   config.delta_encoding = DeltaEncoding::kDraco;
   config.cameras = {cagefit::testing::SmallCamera("left")};
   config.tolerance = ToleranceOptions{0.012345, 99};
@@ -87,6 +97,7 @@ TEST(RecordConvertTest, AConfigurationComesBackWithEveryOptionInForce) {
   const SessionConfig back = kCodec.DecodeConfig(bytes).value();
   EXPECT_EQ(kCodec.EncodeConfig(back), bytes);
   EXPECT_EQ(back.name, config.name);
+  EXPECT_EQ(back.priority, Priority::kBatch);
   EXPECT_FALSE(back.control_mesh.has_value());
   EXPECT_EQ(back.fit.solver.solver, config.fit.solver.solver);
   EXPECT_EQ(back.fit.image.weight, config.fit.image.weight);

@@ -5,6 +5,7 @@
 
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <chrono>
 #include <future>
@@ -31,8 +32,8 @@ struct TestService {
         budget(limits.budget_bytes),
         streams(limits.max_streams),
         scheduler(limits.scheduler),
-        service(
-            {&store, &scheduler, &budget, &streams, NoTime, std::make_shared<spdlog::logger>("")}) {
+        service({&store, &scheduler, &budget, &streams, NoTime,
+                 std::make_shared<spdlog::logger>("", log)}) {
     grpc::ServerBuilder builder;
     const std::string address = "unix:" + folder.path() + "/socket";
     builder.AddListeningPort(address, grpc::InsecureServerCredentials());
@@ -52,6 +53,8 @@ struct TestService {
     reached.get_future().wait();
   }
 
+  std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> log =
+      std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(1000);
   PrivateFolder folder = PrivateFolder::Create().value();
   FakeTemplates templates;
   MemoryJournal journal;

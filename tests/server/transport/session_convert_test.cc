@@ -50,6 +50,7 @@ v1::Camera UnusualCamera(const std::string& name) {
 // All options away from their defaults; those of the fit are those of the paper.
 v1::SessionOptions UnusualOptions() {
   v1::SessionOptions options;
+  options.set_priority(v1::PRIORITY_BATCH);
   *options.mutable_fit() = ToProto(FitOptions::Paper());
   options.set_quantum(1e-3);
   options.set_delta_encoding(v1::DELTA_ENCODING_DRACO);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "server/session/error_detail.h"
 #include "tests/server/transport/service_fixture.h"
 
@@ -84,6 +85,23 @@ TEST(StatusConvertTest, AnEndlessDetailStillArrives) {
   EXPECT_EQ(service.stub->GetSession(&context, request, &session).error_code(),
             grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(testing::DetailOf(context).reason(), "NO_SESSION");
+}
+
+TEST(StatusConvertTest, ARetryTimeIsSetOnlyWhereThereIsOne) {
+  EXPECT_FALSE(ToProto(LimitExceeded("points", 17, 16)).detail().has_retry_after());
+  const v1::FrameError error =
+      ToProto(LimitExceeded("queued fits", 2, 1, absl::Milliseconds(1500)));
+  EXPECT_EQ(error.detail().retry_after().seconds(), 1);
+  EXPECT_EQ(error.detail().retry_after().nanos(), 500'000'000);
+}
+
+TEST(StatusConvertTest, ACancelledCallNamesItsDeadlineWhereThatIsTheCause) {
+  const absl::Status cancelled = absl::CancelledError("gone");
+  EXPECT_TRUE(absl::IsDeadlineExceeded(NamingDeadline(cancelled, absl::Now())));
+  EXPECT_EQ(NamingDeadline(cancelled, absl::Now() + absl::Seconds(9)), cancelled);
+  EXPECT_EQ(NamingDeadline(cancelled, absl::InfiniteFuture()), cancelled);
+  const absl::Status other = absl::AbortedError("overtaken");
+  EXPECT_EQ(NamingDeadline(other, absl::Now()), other);
 }
 
 }  // namespace
