@@ -45,7 +45,10 @@ absl::Status Overtaken(Database* database, const std::string& id, uint64_t epoch
   ASSIGN_OR_RETURN(Query query, Query::Make(database, "SELECT epoch FROM session WHERE id = ?"));
   ASSIGN_OR_RETURN(const bool found, query.Bind(absl::string_view(id)).Next());
   if (!found) return SessionDeleted(id);
-  return EpochSuperseded(epoch, static_cast<uint64_t>(query.Int(0)));
+  const uint64_t current = static_cast<uint64_t>(query.Int(0));
+  if (current != epoch) return EpochSuperseded(epoch, current);
+  // An answer is there whose commit seemed to fail. Who opens the session again finds it.
+  return StoreUnavailable("the session has moved on; open it again");
 }
 
 absl::Status WriteTemplate(Database* database, int64_t session, absl::string_view mesh) {

@@ -73,6 +73,17 @@ TEST_F(SqliteJournalTest, TwoProcessesShareAFile) {
   EXPECT_EQ(here->Load("one")->head.next_sequence_number, 1u);
 }
 
+TEST_F(SqliteJournalTest, AnAnswerIsNeverStoredTwice) {
+  const auto journal = file_.Open();
+  ASSERT_TRUE(journal->Create(RecordOf("one")).ok());
+  const uint64_t epoch = journal->RaiseEpoch("one")->epoch;
+  ASSERT_TRUE(journal->Append("one", epoch, RejectedAnswer(0), nullptr).ok());
+  // As after a commit that seemed to fail: the stream's own epoch, but no longer the next frame.
+  EXPECT_TRUE(absl::IsUnavailable(journal->Append("one", epoch, RejectedAnswer(0), nullptr)));
+  absl::SleepFor(SqliteJournal::kRetryInterval);
+  EXPECT_EQ(journal->Outlines("one")->size(), 1u);
+}
+
 TEST_F(SqliteJournalTest, OnlyItsOwnerMayReadTheFile) {
   file_.Open();
   for (const auto& entry : std::filesystem::directory_iterator(file_.folder())) {
