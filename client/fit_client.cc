@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client/apply_reply.h"
 #include "client/frame_stream_call.h"
 #include "client/mesh_from_proto.h"
 #include "client/status_from_grpc.h"
@@ -19,6 +20,9 @@ constexpr size_t kMaxUnaryBytes = 3 << 20;  // above it, a request goes by strea
 constexpr size_t kChunkBytes = 1 << 20;
 constexpr size_t kMaxBlobBytes = size_t{1} << 30;
 constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
+// Of the channel's own connecting. A server that is back is met soon: by default, gRPC pauses for
+// up to two minutes.
+constexpr int kFirstReconnectMs = 100, kLongestReconnectMs = 500, kConnectTimeoutMs = 5'000;
 
 // The whole of a streamed result. Reader: ClientReader or ClientReaderWriter of chunks.
 template <typename Reader>
@@ -65,6 +69,9 @@ absl::StatusOr<std::unique_ptr<FitClient>> FitClient::Connect(const ClientOption
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectTimeoutMs);
   // Clients of one process may be on different servers that come and go under one name.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   auto connection = std::make_unique<Connection>();
@@ -160,11 +167,35 @@ absl::StatusOr<v1::EvaluateLossReply> FitClient::EvaluateLoss(
   return reply;
 }
 
+std::unique_ptr<FrameStream> FitClient::StartStream(const std::string& session_id,
+                                                    v1::FrameMode mode, absl::Time deadline) {
+  return std::unique_ptr<FrameStream>(new FrameStream(
+      std::make_unique<FrameStream::Call>(connection_->stub.get(), session_id, mode, deadline)));
+}
+
 absl::StatusOr<std::unique_ptr<FrameStream>> FitClient::OpenStream(const std::string& session_id,
                                                                    v1::FrameMode mode) {
-  auto call = std::make_unique<FrameStream::Call>();
-  RETURN_IF_ERROR(call->Open(connection_->stub.get(), session_id, mode));
-  return std::unique_ptr<FrameStream>(new FrameStream(std::move(call)));
+  std::unique_ptr<FrameStream> stream = StartStream(session_id, mode);
+  RETURN_IF_ERROR(stream->Open());
+  return stream;
+}
+
+absl::Status FitClient::GetReplies(const v1::GetRepliesRequest& request,
+                                   const std::function<absl::Status(FittedFrame)>& take) {
+  grpc::ClientContext context;
+  const auto reader = connection_->stub->GetReplies(&context, request);
+  DeltaDecoder decoder;
+  absl::Status status;
+  v1::FrameReply reply;
+  while (status.ok() && reader->Read(&reply)) {
+    auto frame = ApplyReply(std::move(reply), &decoder);
+    status = frame.ok() ? take(*std::move(frame)) : frame.status();
+  }
+  if (!status.ok()) context.TryCancel();
+  while (reader->Read(&reply)) {  // gRPC wants all of it to be read
+  }
+  const absl::Status ended = FromGrpc(reader->Finish(), context);
+  return status.ok() ? ended : status;
 }
 
 }  // namespace cagefit::client

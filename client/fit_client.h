@@ -10,6 +10,7 @@
 #define CAGEFIT_CLIENT_FIT_CLIENT_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,12 +52,16 @@ struct FittedFrame {
 };
 
 // One FitFrames stream. Send and CloseSending from one thread, Receive from another, Cancel from
-// any.
+// any. It ends with its connection; client/resuming_stream.h is the one that goes on.
 class FrameStream {
  public:
   ~FrameStream();  // cancels what is still running
 
+  // Waits for the server's answer; once, before anything else but Cancel.
+  absl::Status Open();
+
   uint64_t next_sequence_number() const;  // as the server said when the stream opened
+  int frames_in_flight() const;           // likewise
 
   // Blocks while the server does not read, or while frames_in_flight + 1 frames are unanswered
   // (back-pressure), so another thread has to receive. An error means that the stream has ended;
@@ -96,8 +101,17 @@ class FitClient {
   absl::StatusOr<v1::Stencils> GetStencils(const v1::GetStencilsRequest& request);
   absl::StatusOr<v1::EvaluateLossReply> EvaluateLoss(const v1::EvaluateLossRequest& request);
 
+  // A stream that is not open yet; it ends with DEADLINE_EXCEEDED.
+  std::unique_ptr<FrameStream> StartStream(const std::string& session_id,
+                                           v1::FrameMode mode = v1::FRAME_MODE_EVERY,
+                                           absl::Time deadline = absl::InfiniteFuture());
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenStream(
       const std::string& session_id, v1::FrameMode mode = v1::FRAME_MODE_EVERY);
+
+  // Stored replies in order, each as it came by the stream but marked as repeated. An error that
+  // `take` returns ends the call and is returned.
+  absl::Status GetReplies(const v1::GetRepliesRequest& request,
+                          const std::function<absl::Status(FittedFrame)>& take);
 
  private:
   struct Connection;

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "client/apply_reply.h"
 #include "client/delta_decoder.h"
 #include "client/fit_client.h"
 #include "client/frame_stream_call.h"
@@ -29,8 +30,13 @@ void Fill(absl::Time time, google::protobuf::Timestamp* proto) {
 
 }  // namespace
 
-absl::Status FrameStream::Call::Open(v1::Fitting::Stub* stub, const std::string& session_id,
-                                     v1::FrameMode mode) {
+FrameStream::Call::Call(v1::Fitting::Stub* stub, std::string session_id, v1::FrameMode mode,
+                        absl::Time deadline)
+    : stub(stub), session_id(std::move(session_id)), mode(mode) {
+  if (deadline != absl::InfiniteFuture()) context.set_deadline(absl::ToChronoTime(deadline));
+}
+
+absl::Status FrameStream::Call::Open() {
   stream = stub->FitFrames(&context);
   v1::FitFramesRequest open;
   open.mutable_open()->set_session_id(session_id);
@@ -79,7 +85,7 @@ FrameStream::FrameStream(std::unique_ptr<Call> call) : call_(std::move(call)) {}
 
 FrameStream::~FrameStream() {
   call_->context.TryCancel();
-  if (call_->status.has_value()) return;
+  if (call_->status.has_value() || call_->stream == nullptr) return;
   // gRPC wants every call to be finished; after the cancel nothing blocks.
   v1::FitFramesReply ignored;
   while (call_->stream->Read(&ignored)) {
@@ -87,7 +93,13 @@ FrameStream::~FrameStream() {
   call_->stream->Finish();
 }
 
+absl::Status FrameStream::Open() { return call_->Open(); }
+
 uint64_t FrameStream::next_sequence_number() const { return call_->opened.next_sequence_number(); }
+
+int FrameStream::frames_in_flight() const {
+  return static_cast<int>(call_->opened.frames_in_flight());
+}
 
 absl::Status FrameStream::Send(const OutgoingFrame& frame) {
   if (absl::Status room = call_->WaitForRoom(); !room.ok()) return room;
@@ -135,20 +147,10 @@ absl::StatusOr<std::optional<FittedFrame>> FrameStream::Receive() {
     return ended;
   }
   call_->Answered();
-  FittedFrame frame;
-  frame.reply = std::move(*reply.mutable_frame());
-  if (frame.reply.outcome() == v1::OUTCOME_FITTED) {
-    if (absl::Status applied = call_->decoder.Apply(frame.reply.delta()); !applied.ok()) {
-      call_->Cancel();
-      return applied;
-    }
-  } else if (frame.reply.outcome() == v1::OUTCOME_SKIPPED) {
-    frame.status = absl::AbortedError("skipped: a newer frame came before this one was begun");
-  } else {
-    frame.status = FromProto(frame.reply.error());
-  }
-  frame.control_vertices = call_->decoder.vertices();
-  return frame;
+  auto frame = ApplyReply(std::move(*reply.mutable_frame()), &call_->decoder);
+  if (frame.ok()) return *std::move(frame);
+  call_->Cancel();
+  return frame.status();
 }
 
 void FrameStream::Cancel() { call_->Cancel(); }

@@ -17,8 +17,9 @@
 namespace cagefit::client {
 
 struct FrameStream::Call {
+  Call(v1::Fitting::Stub* stub, std::string session_id, v1::FrameMode mode, absl::Time deadline);
   // Opens the stream and waits for the server's answer.
-  absl::Status Open(v1::Fitting::Stub* stub, const std::string& session_id, v1::FrameMode mode);
+  absl::Status Open();
   // Blocks until one more frame may be unanswered, and counts it.
   absl::Status WaitForRoom();
   void Answered();
@@ -27,7 +28,11 @@ struct FrameStream::Call {
   // Fetches the status of a stream that brings no more replies.
   absl::Status End();
 
+  v1::Fitting::Stub* const stub;
+  const std::string session_id;
+  const v1::FrameMode mode;
   grpc::ClientContext context;
+  // From Open on, which waits for the connection.
   std::unique_ptr<grpc::ClientReaderWriter<v1::FitFramesRequest, v1::FitFramesReply>> stream;
   v1::StreamOpened opened;
   DeltaDecoder decoder;  // of the receiving thread
