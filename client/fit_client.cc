@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/apply_reply.h"
+#include "client/channel.h"
 #include "client/frame_stream_call.h"
 #include "client/mesh_from_proto.h"
 #include "client/status_from_grpc.h"
@@ -58,6 +59,15 @@ void WriteBlob(const std::string& blob, Writer* writer) {
   writer->WritesDone();
 }
 
+// What stands between a channel that does not connect and its server, such as a certificate that is
+// not trusted.
+std::string WhyNot(v1::Fitting::Stub* stub) {
+  grpc::ClientContext context;
+  context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(1)));
+  v1::ListSessionsResponse response;
+  return ": " + stub->ListSessions(&context, {}, &response).error_message();
+}
+
 }  // namespace
 
 struct FitClient::Connection {
@@ -75,14 +85,16 @@ absl::StatusOr<std::unique_ptr<FitClient>> FitClient::Connect(const ClientOption
   // Clients of one process may be on different servers that come and go under one name.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   auto connection = std::make_unique<Connection>();
-  connection->channel =
-      grpc::CreateCustomChannel(options.address, grpc::InsecureChannelCredentials(), arguments);
+  ASSIGN_OR_RETURN(connection->channel,
+                   OpenChannel(options.address, options.credentials, arguments));
+  connection->stub = v1::Fitting::NewStub(connection->channel);
   if (!connection->channel->WaitForConnected(
           absl::ToChronoTime(absl::Now() + options.connect_timeout))) {
-    return absl::UnavailableError(absl::StrCat("no server answers at ", options.address, " within ",
-                                               absl::FormatDuration(options.connect_timeout)));
+    return absl::UnavailableError(
+        absl::StrCat("no server answers at ", options.address, " within ",
+                     absl::FormatDuration(options.connect_timeout),
+                     options.credentials.wants_tls() ? WhyNot(connection->stub.get()) : ""));
   }
-  connection->stub = v1::Fitting::NewStub(connection->channel);
   return std::unique_ptr<FitClient>(new FitClient(std::move(connection)));
 }
 

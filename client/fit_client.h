@@ -20,6 +20,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "cagefit/v1/fitting.pb.h"
+#include "client/credentials.h"
 #include "core/base/types.h"
 #include "core/mesh/control_mesh.h"
 
@@ -28,6 +29,7 @@ namespace cagefit::client {
 struct ClientOptions {
   std::string address;  // HOST:PORT or unix:PATH
   absl::Duration connect_timeout = absl::Seconds(5);
+  ClientCredentials credentials;
 };
 
 struct OutgoingMask {
@@ -85,7 +87,8 @@ class FrameStream {
 // Thread-safe.
 class FitClient {
  public:
-  // UNAVAILABLE, naming the address, when nobody answers within the time-out.
+  // UNAVAILABLE, naming the address, when nobody answers within the time-out; errors of OpenChannel
+  // for credentials that cannot be used.
   static absl::StatusOr<std::unique_ptr<FitClient>> Connect(const ClientOptions& options);
   ~FitClient();
 

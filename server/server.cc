@@ -19,6 +19,7 @@
 #include "absl/time/clock.h"
 #include "core/base/status.h"
 #include "server/housekeeping.h"
+#include "server/server_access.h"
 #include "server/session/template_process.h"
 #include "server/store/open_journal.h"
 #include "server/transport/record_convert.h"
@@ -97,6 +98,15 @@ void Configure(grpc::ServerBuilder* builder) {
                               kMinPingIntervalMs);
 }
 
+// Of one server: gRPC's own switch turns it on for all servers of a process.
+class ReflectionOption : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments*) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    plugins->push_back(std::make_unique<grpc::reflection::ProtoServerReflectionPlugin>());
+  }
+};
+
 std::string WithPort(const std::string& address, int port) {
   if (absl::StartsWith(address, "unix:")) return address;
   return absl::StrCat(address.substr(0, address.rfind(':') + 1), port);
@@ -105,16 +115,18 @@ std::string WithPort(const std::string& address, int port) {
 }  // namespace
 
 struct Server::Parts {
-  Parts(const ServerOptions& options, std::unique_ptr<Journal> journal_of_options,
-        std::shared_ptr<spdlog::logger> log)
-      : threads(tbb::global_control::max_allowed_parallelism, Threads(options)),
+  Parts(const ServerOptions& options, ServerAccess access_of_options,
+        std::unique_ptr<Journal> journal_of_options, std::shared_ptr<spdlog::logger> log)
+      : access(std::move(access_of_options)),
+        threads(tbb::global_control::max_allowed_parallelism, Threads(options)),
         templates(TemplateProgram(options),
                   {TemplateMemoryBytes(options), absl::Seconds(options.template_seconds)}),
         journal(std::move(journal_of_options)),
         store(StoreLimits(options), journal.get(), &templates, Milliseconds),
+        auth(&store, access.tokens.get()),
         budget(options.max_buffered_mib << 20),
         streams(options.max_streams),
-        service({&store, &scheduler.emplace(SchedulerOptions(options)), &budget, &streams,
+        service({&auth, &scheduler.emplace(SchedulerOptions(options)), &budget, &streams,
                  Milliseconds, std::move(log)}) {}
 
   void KeepHouse(const ServerOptions& options, std::shared_ptr<spdlog::logger> log) {
@@ -132,10 +144,12 @@ struct Server::Parts {
         std::move(log));
   }
 
+  ServerAccess access;
   tbb::global_control threads;
   TemplateProcess templates;
   std::unique_ptr<Journal> journal;
   SessionStore store;
+  Auth auth;
   ByteBudget budget;
   StreamRegistry streams;
   std::optional<Scheduler> scheduler;  // ends before the network does its last call
@@ -150,19 +164,19 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
                                                       std::shared_ptr<spdlog::logger> log) {
   RETURN_IF_ERROR(options.Validate());
   static std::once_flag plugins;
-  std::call_once(plugins, [] {
-    grpc::EnableDefaultHealthCheckService(true);
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  });
+  std::call_once(plugins, [] { grpc::EnableDefaultHealthCheckService(true); });
+  ASSIGN_OR_RETURN(ServerAccess access, ServerAccess::Open(options, log));
   static const ProtoRecordCodec* const codec = new ProtoRecordCodec;
   ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(options.store, codec));
-  auto parts = std::make_unique<Parts>(options, std::move(journal), log);
+  auto parts = std::make_unique<Parts>(options, std::move(access), std::move(journal), log);
   grpc::ServerBuilder builder;
   Configure(&builder);
+  if (options.reflection) builder.SetOption(std::make_unique<ReflectionOption>());
   builder.RegisterService(&parts->service);
   std::vector<int> ports(options.listen.size(), 0);
   for (size_t k = 0; k < ports.size(); ++k) {
-    builder.AddListeningPort(options.listen[k], grpc::InsecureServerCredentials(), &ports[k]);
+    builder.AddListeningPort(options.listen[k], parts->access.CredentialsFor(options.listen[k]),
+                             &ports[k]);
   }
   parts->network = builder.BuildAndStart();
   for (size_t k = 0; k < ports.size(); ++k) {

@@ -34,6 +34,19 @@ absl::Status CheckRange(const char* field, double value, double least, double mo
       absl::StrFormat("--%s is %.12g; expected %.12g to %.12g", field, value, least, most));
 }
 
+absl::Status CheckTls(const ServerOptions& o) {
+  if (o.tls_cert.empty() != o.tls_key.empty()) {
+    return absl::InvalidArgumentError(
+        o.tls_key.empty() ? "--tls-key is not set; --tls-cert needs the certificate's key"
+                          : "--tls-cert is not set; --tls-key needs the key's certificate");
+  }
+  if (!o.tls_client_ca.empty() && o.tls_cert.empty()) {
+    return absl::InvalidArgumentError(
+        "--tls-cert is not set; --tls-client-ca needs TLS, and so --tls-cert and --tls-key");
+  }
+  return absl::OkStatus();
+}
+
 std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
   o->store = DefaultStore();
   auto app = std::make_unique<CLI::App>(
@@ -77,6 +90,12 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
       ->capture_default_str();
   app->add_option("--log-level", o->log_level, "trace, debug, info, warning, error, off")
       ->capture_default_str();
+  app->add_option("--tls-cert", o->tls_cert, "Certificates of the TCP addresses, PEM file");
+  app->add_option("--tls-key", o->tls_key, "Their key, PEM file");
+  app->add_option("--tls-client-ca", o->tls_client_ca,
+                  "Clients need a certificate of one of these authorities, PEM file");
+  app->add_option("--tokens", o->tokens, "Clients need a token of this file; see cagefit token");
+  app->add_flag("--reflection", o->reflection, "Tell clients the service's methods and messages");
   return app;
 }
 
@@ -168,7 +187,7 @@ absl::Status ServerOptions::Validate() const {
     return absl::InvalidArgumentError(
         absl::StrCat("--log-level is ", log_level, "; expected ", absl::StrJoin(kLogLevels, ", ")));
   }
-  return absl::OkStatus();
+  return CheckTls(*this);
 }
 
 std::string DefaultStore() {

@@ -41,6 +41,13 @@ struct ServerOptions {
   double drain_seconds = 20;       // for frames in work when the server is told to end; 0 to 3,600
   std::string log_level = "info";  // trace, debug, info, warning, error, off
 
+  // Who is let in. Files in PEM format and, of tokens, as in session/token_table.h; all of them are
+  // read again when they change.
+  std::string tls_cert, tls_key;  // of the TCP addresses, both or neither; empty: no TLS
+  std::string tls_client_ca;      // clients need a certificate of these; empty: they do not
+  std::string tokens;             // empty: nobody needs one
+  bool reflection = false;        // tells anybody the service's methods and messages
+
   // INVALID_ARGUMENT naming field, value and range.
   absl::Status Validate() const;
 };

@@ -28,6 +28,7 @@ void AddSessionCommand(CLI::App* app, Run* run);
 void AddSynthCommand(CLI::App* app, Run* run);
 // With or without template making in this build; without it, running the command says so.
 void AddTemplateCommand(CLI::App* app, Run* run);
+void AddTokenCommand(CLI::App* app, Run* run);
 
 // Prints "cagefit: MESSAGE" on standard error and returns the exit code for the status.
 int Report(const absl::Status& status);

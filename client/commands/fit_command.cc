@@ -138,12 +138,15 @@ class FitJob {
   }
 
   absl::Status Connect() {
-    std::string address = arguments_.server;
-    if (address.empty()) {
+    ClientOptions options;
+    options.address = arguments_.server;
+    options.credentials = arguments_.credentials;
+    if (options.address.empty()) {
       ASSIGN_OR_RETURN(embedded_, EmbeddedServer::Start(arguments_.threads));
-      address = embedded_->address();
+      options.address = embedded_->address();
+      options.credentials = ClientCredentials();
     }
-    ASSIGN_OR_RETURN(client_, FitClient::Connect({address}));
+    ASSIGN_OR_RETURN(client_, FitClient::Connect(options));
     return absl::OkStatus();
   }
 

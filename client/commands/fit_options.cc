@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "client/commands/credential_flags.h"
 #include "client/commands/parse_tolerance.h"
 
 namespace cagefit::client {
@@ -222,6 +223,7 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
                       "without its ending");
   command->add_option("--server", a->server,
                       "HOST:PORT or unix:PATH; default: a server inside this program");
+  AddCredentialFlags(&a->credentials, command);
   command->add_option("--config", "File of options, one name=value a line");
   command->add_option("--name", a->name, "Of the session, for people; default: the input");
   command->add_flag("--keep-session", a->keep_session, "Leave the session on the server");

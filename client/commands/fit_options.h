@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cagefit/v1/fitting.pb.h"
+#include "client/credentials.h"
 
 namespace cagefit::client {
 
@@ -16,8 +17,9 @@ struct FitArguments {
   std::vector<std::string> inputs;
   std::vector<std::string> truth;  // files of the true motion; empty: none
   std::string out, cage, server, name;
-  std::string cameras, masks;  // a file or folder of cameras; a folder of their masks, or none
-  std::string landmarks;       // a file of them, or none
+  ClientCredentials credentials;  // for the server
+  std::string cameras, masks;     // a file or folder of cameras; a folder of their masks, or none
+  std::string landmarks;          // a file of them, or none
   uint32_t vertices = 0;
   std::optional<double> crease_angle;  // degrees
   int position_bits = 16;

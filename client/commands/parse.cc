@@ -86,6 +86,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   Run run;
   AddFitCommand(&app, &run);
   AddTemplateCommand(&app, &run);
+  AddTokenCommand(&app, &run);
   AddRefineCommand(&app, &run);
   AddRenderCommand(&app, &run);
   AddEvaluateCommand(&app, &run);

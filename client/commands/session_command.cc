@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/commands/command.h"
+#include "client/commands/credential_flags.h"
 #include "client/commands/message_json.h"
 #include "client/fit_client.h"
 #include "client/io/file_bytes.h"
@@ -18,6 +19,7 @@ namespace {
 
 struct SessionArguments {
   std::string server = "127.0.0.1:50051", id, out;
+  ClientCredentials credentials;
   std::optional<uint64_t> frame;
   bool json = false, surface = false, start = false;
   uint32_t levels = 2;
@@ -75,7 +77,10 @@ absl::Status Pull(FitClient* client, const SessionArguments& arguments) {
 }
 
 int WithClient(const SessionArguments& arguments, Work work) {
-  const auto client = FitClient::Connect({arguments.server});
+  ClientOptions options;
+  options.address = arguments.server;
+  options.credentials = arguments.credentials;
+  const auto client = FitClient::Connect(options);
   if (!client.ok()) return Report(client.status());
   const absl::Status status = work(client->get(), arguments);
   return status.ok() ? static_cast<int>(kDone) : Report(status);
@@ -91,6 +96,7 @@ void AddSessionCommand(CLI::App* app, Run* run) {
   const auto add = [&](const char* name, const char* what, Work work) {
     CLI::App* sub = command->add_subcommand(name, what);
     sub->add_option("--server", arguments->server, "HOST:PORT or unix:PATH")->capture_default_str();
+    AddCredentialFlags(&arguments->credentials, sub);
     sub->callback([arguments, run, work] {
       *run = [arguments, work] { return WithClient(*arguments, work); };
     });

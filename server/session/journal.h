@@ -68,9 +68,11 @@ class Journal {
   virtual absl::StatusOr<SessionRecord> Load(const std::string& id) = 0;
   // The control mesh that came with the config, until a frame has made or refined another.
   virtual absl::StatusOr<std::optional<ControlMesh>> LoadTemplate(const std::string& id) = 0;
-  // At most `count` ids in their order, the first one after `after`.
-  virtual absl::StatusOr<std::vector<std::string>> Ids(const std::string& after, size_t count) = 0;
+  // At most `count` ids of the owner's sessions in their order, the first one after `after`.
+  virtual absl::StatusOr<std::vector<std::string>> Ids(const std::string& owner,
+                                                       const std::string& after, size_t count) = 0;
   virtual absl::StatusOr<int64_t> Count() = 0;  // of sessions
+  virtual absl::StatusOr<int64_t> CountOf(const std::string& owner) = 0;
   virtual absl::Status Delete(const std::string& id) = 0;
 
   // A new stream may write from now on, and no older one.

@@ -44,6 +44,7 @@ class SessionLedger {
                 const SessionLimits& limits, Journal* journal);
 
   const std::string& id() const { return record_.id; }
+  const std::string& owner() const { return record_.owner; }
   const SessionConfig& config() const { return record_.config; }
   const SessionLimits& limits() const { return limits_; }
   absl::Time created() const { return record_.created; }

@@ -35,7 +35,20 @@ absl::Status SessionStore::CheckLimits(const SessionConfig& config) const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfig config,
+absl::Status SessionStore::CheckRoom(const Principal& owner) const {
+  ASSIGN_OR_RETURN(const int64_t sessions, journal_->Count());
+  if (sessions >= limits_.max_sessions) {
+    return LimitExceeded("sessions", sessions + 1, limits_.max_sessions, absl::Seconds(30));
+  }
+  if (!owner.quotas.sessions.has_value()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const int64_t own, journal_->CountOf(owner.name));
+  if (own < *owner.quotas.sessions) return absl::OkStatus();
+  return LimitExceeded("sessions of " + owner.name, own + 1, *owner.quotas.sessions,
+                       absl::Seconds(30));
+}
+
+absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(const Principal& owner,
+                                                                    SessionConfig config,
                                                                     absl::Time now) {
   RETURN_IF_ERROR(config.Validate());
   RETURN_IF_ERROR(CheckLimits(config));
@@ -43,6 +56,7 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfi
 
   SessionRecord record;
   record.id = RandomId();
+  record.owner = owner.name;
   record.created = now;
   if (config.control_mesh.has_value()) {
     record.head.control_vertices = config.control_mesh->vertex_count();
@@ -50,10 +64,7 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(SessionConfi
   }
   record.config = std::move(config);
   std::lock_guard<std::mutex> create(create_mutex_);
-  ASSIGN_OR_RETURN(const int64_t sessions, journal_->Count());
-  if (sessions >= limits_.max_sessions) {
-    return LimitExceeded("sessions", sessions + 1, limits_.max_sessions, absl::Seconds(30));
-  }
+  RETURN_IF_ERROR(CheckRoom(owner));
   RETURN_IF_ERROR(journal_->Create(record));
   auto ledger =
       std::make_shared<SessionLedger>(std::move(record), std::nullopt, limits_.session, journal_);
@@ -101,8 +112,8 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Find(const std::str
 }
 
 absl::StatusOr<std::vector<std::shared_ptr<SessionLedger>>> SessionStore::List(
-    const std::string& after, size_t count) {
-  ASSIGN_OR_RETURN(const std::vector<std::string> ids, journal_->Ids(after, count));
+    const std::string& owner, const std::string& after, size_t count) {
+  ASSIGN_OR_RETURN(const std::vector<std::string> ids, journal_->Ids(owner, after, count));
   std::vector<std::shared_ptr<SessionLedger>> page;
   for (const std::string& id : ids) {
     if (const EntryPtr loaded = FindLoaded(id)) {

@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "server/session/journal.h"
+#include "server/session/principal.h"
 #include "server/session/session.h"
 
 namespace cagefit::server {
@@ -40,6 +41,7 @@ class SessionLease {
   std::shared_ptr<Entry> entry_;
 };
 
+// Knows whose a session is but does not ask: calls come through PrincipalSessions, which does.
 // Thread-safe.
 class SessionStore {
  public:
@@ -53,9 +55,10 @@ class SessionStore {
 
   const SessionLimits& session_limits() const { return limits_.session; }
 
-  // INVALID_ARGUMENT for a bad config, RESOURCE_EXHAUSTED naming the limit, FAILED_PRECONDITION
-  // when templates cannot be made here.
-  absl::StatusOr<std::shared_ptr<SessionLedger>> Create(SessionConfig config, absl::Time now);
+  // INVALID_ARGUMENT for a bad config, RESOURCE_EXHAUSTED naming the limit, the server's or the
+  // owner's, FAILED_PRECONDITION when templates cannot be made here.
+  absl::StatusOr<std::shared_ptr<SessionLedger>> Create(const Principal& owner,
+                                                        SessionConfig config, absl::Time now);
 
   // Of all that follow: UNAVAILABLE, reason STORE_UNAVAILABLE, while the journal cannot be read or
   // written.
@@ -64,9 +67,10 @@ class SessionStore {
   // DATA_LOSS.
   absl::StatusOr<std::shared_ptr<SessionLedger>> Find(const std::string& id);
 
-  // At most `count` sessions in order of id, the first one after `after`. Those not in memory are
-  // without control mesh.
-  absl::StatusOr<std::vector<std::shared_ptr<SessionLedger>>> List(const std::string& after,
+  // At most `count` sessions of `owner` in order of id, the first one after `after`. Those not in
+  // memory are without control mesh.
+  absl::StatusOr<std::vector<std::shared_ptr<SessionLedger>>> List(const std::string& owner,
+                                                                   const std::string& after,
                                                                    size_t count);
 
   // Opens a stream on the session as the journal has it. Errors as of Find.
@@ -101,6 +105,9 @@ class SessionStore {
   absl::StatusOr<EntryPtr> FindEntry(const std::string& id);
   EntryPtr FindLoaded(const std::string& id);
   void Drop(const SessionLedger& ledger);  // from memory
+
+  // Under create_mutex_.
+  absl::Status CheckRoom(const Principal& owner) const;
 
   const Limits limits_;
   Journal* const journal_;

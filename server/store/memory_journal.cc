@@ -45,12 +45,13 @@ absl::StatusOr<std::optional<ControlMesh>> MemoryJournal::LoadTemplate(const std
   return entry->template_mesh;
 }
 
-absl::StatusOr<std::vector<std::string>> MemoryJournal::Ids(const std::string& after,
+absl::StatusOr<std::vector<std::string>> MemoryJournal::Ids(const std::string& owner,
+                                                            const std::string& after,
                                                             size_t count) {
   std::vector<std::string> ids;
   std::lock_guard<std::mutex> lock(mutex_);
   for (auto e = entries_.upper_bound(after); e != entries_.end() && ids.size() < count; ++e) {
-    ids.push_back(e->first);
+    if (e->second.record.owner == owner) ids.push_back(e->first);
   }
   return ids;
 }
@@ -58,6 +59,12 @@ absl::StatusOr<std::vector<std::string>> MemoryJournal::Ids(const std::string& a
 absl::StatusOr<int64_t> MemoryJournal::Count() {
   std::lock_guard<std::mutex> lock(mutex_);
   return static_cast<int64_t>(entries_.size());
+}
+
+absl::StatusOr<int64_t> MemoryJournal::CountOf(const std::string& owner) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return std::count_if(entries_.begin(), entries_.end(),
+                       [&owner](const auto& entry) { return entry.second.record.owner == owner; });
 }
 
 absl::Status MemoryJournal::Delete(const std::string& id) {

@@ -18,8 +18,10 @@ class MemoryJournal final : public Journal {
   absl::Status Create(const SessionRecord& record) override;
   absl::StatusOr<SessionRecord> Load(const std::string& id) override;
   absl::StatusOr<std::optional<ControlMesh>> LoadTemplate(const std::string& id) override;
-  absl::StatusOr<std::vector<std::string>> Ids(const std::string& after, size_t count) override;
+  absl::StatusOr<std::vector<std::string>> Ids(const std::string& owner, const std::string& after,
+                                               size_t count) override;
   absl::StatusOr<int64_t> Count() override;
+  absl::StatusOr<int64_t> CountOf(const std::string& owner) override;
   absl::Status Delete(const std::string& id) override;
   absl::StatusOr<SessionHead> RaiseEpoch(const std::string& id) override;
   absl::StatusOr<int> Begin(const std::string& id, uint64_t epoch) override;

@@ -36,6 +36,7 @@ CREATE TABLE session (
   begun INTEGER NOT NULL
 ) STRICT;
 CREATE INDEX session_used ON session (used);
+CREATE INDEX session_owner ON session (owner, id);
 CREATE TABLE frame (
   session INTEGER NOT NULL,
   number INTEGER NOT NULL,

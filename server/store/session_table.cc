@@ -139,13 +139,23 @@ absl::StatusOr<std::optional<std::string>> ReadTemplate(Database* database, cons
   return std::optional<std::string>(std::move(mesh));
 }
 
-absl::StatusOr<std::vector<std::string>> IdsAfter(Database* database, const std::string& after,
-                                                  size_t count) {
+absl::StatusOr<std::vector<std::string>> IdsAfter(Database* database, const std::string& owner,
+                                                  const std::string& after, size_t count) {
   ASSIGN_OR_RETURN(
       Query query,
-      Query::Make(database, "SELECT id FROM session WHERE id > ? ORDER BY id LIMIT ?"));
-  query.Bind(absl::string_view(after)).Bind(static_cast<int64_t>(count));
+      Query::Make(database,
+                  "SELECT id FROM session WHERE owner = ? AND id > ? ORDER BY id LIMIT ?"));
+  query.Bind(absl::string_view(owner))
+      .Bind(absl::string_view(after))
+      .Bind(static_cast<int64_t>(count));
   return FirstColumn(&query);
+}
+
+absl::StatusOr<int64_t> CountOfOwner(Database* database, const std::string& owner) {
+  ASSIGN_OR_RETURN(Query query,
+                   Query::Make(database, "SELECT count(*) FROM session WHERE owner = ?"));
+  RETURN_IF_ERROR(query.Bind(absl::string_view(owner)).Next().status());
+  return query.Int(0);
 }
 
 absl::StatusOr<std::vector<std::string>> IdsUsedBefore(Database* database, absl::Time time,

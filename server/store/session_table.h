@@ -31,8 +31,9 @@ absl::Status InsertSession(Database* database, const std::string& id, const Sess
                            const std::optional<std::string>& mesh);
 absl::StatusOr<SessionRow> ReadSession(Database* database, const std::string& id);
 absl::StatusOr<std::optional<std::string>> ReadTemplate(Database* database, const std::string& id);
-absl::StatusOr<std::vector<std::string>> IdsAfter(Database* database, const std::string& after,
-                                                  size_t count);
+absl::StatusOr<std::vector<std::string>> IdsAfter(Database* database, const std::string& owner,
+                                                  const std::string& after, size_t count);
+absl::StatusOr<int64_t> CountOfOwner(Database* database, const std::string& owner);
 absl::StatusOr<std::vector<std::string>> IdsUsedBefore(Database* database, absl::Time time,
                                                        size_t count);
 absl::Status DeleteSession(Database* database, const std::string& id);

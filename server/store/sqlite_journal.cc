@@ -105,13 +105,18 @@ absl::StatusOr<std::optional<ControlMesh>> SqliteJournal::LoadTemplate(const std
   return std::optional<ControlMesh>(std::move(mesh));
 }
 
-absl::StatusOr<std::vector<std::string>> SqliteJournal::Ids(const std::string& after,
+absl::StatusOr<std::vector<std::string>> SqliteJournal::Ids(const std::string& owner,
+                                                            const std::string& after,
                                                             size_t count) {
-  return With([&](Database* database) { return IdsAfter(database, after, count); });
+  return With([&](Database* database) { return IdsAfter(database, owner, after, count); });
 }
 
 absl::StatusOr<int64_t> SqliteJournal::Count() {
   return With([](Database* database) { return database->Number("SELECT count(*) FROM session"); });
+}
+
+absl::StatusOr<int64_t> SqliteJournal::CountOf(const std::string& owner) {
+  return With([&](Database* database) { return CountOfOwner(database, owner); });
 }
 
 absl::Status SqliteJournal::Delete(const std::string& id) {

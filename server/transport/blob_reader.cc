@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/status.h"
 #include "server/transport/status_convert.h"
 
 namespace cagefit::server {
@@ -12,21 +13,31 @@ constexpr int64_t kMaxBlobBytes = 64 << 20;
 }  // namespace
 
 BlobReader* BlobReader::Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                              std::function<absl::Status(const std::string&)> take) {
+                              TakeFn take) {
   auto* reader = new BlobReader(state, context, std::move(take));
-  reader->StartRead(&reader->chunk_);
+  const absl::Status entered = reader->Enter();
+  if (entered.ok()) {
+    reader->StartRead(&reader->chunk_);
+  } else {
+    reader->Finish(ToGrpc(entered, context));
+  }
   return reader;
 }
 
-BlobReader::BlobReader(const ServiceState& state, grpc::CallbackServerContext* context,
-                       std::function<absl::Status(const std::string&)> take)
+BlobReader::BlobReader(const ServiceState& state, grpc::CallbackServerContext* context, TakeFn take)
     : state_(state),
       context_(context),
       take_(std::move(take)),
       blob_(kMaxBlobBytes, state.budget) {}
 
+absl::Status BlobReader::Enter() {
+  ASSIGN_OR_RETURN(sessions_, state_.auth->Enter(*context_));
+  return sessions_->CheckRate();
+}
+
 void BlobReader::OnReadDone(bool ok) {
   if (!ok) return End();
+  sessions_->Receive(static_cast<int64_t>(chunk_.ByteSizeLong()));
   const absl::Status added = blob_.Add(chunk_.total_bytes(), chunk_.data());
   if (!added.ok()) return Finish(ToGrpc(added, context_));
   StartRead(&chunk_);
@@ -37,7 +48,7 @@ void BlobReader::End() {
   if (!complete.ok()) return Finish(ToGrpc(complete, context_));
   const absl::Status queued = state_.scheduler->queries.Run(context_->peer(), [this] {
     const absl::Status taken =
-        context_->IsCancelled() ? CancelledCall(*context_) : take_(blob_.bytes());
+        context_->IsCancelled() ? CancelledCall(*context_) : take_(*sessions_, blob_.bytes());
     Finish(ToGrpc(taken, context_));
   });
   if (!queued.ok()) Finish(ToGrpc(queued, context_));

@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -17,21 +18,24 @@ namespace cagefit::server {
 // Deletes itself when gRPC is done with it.
 class BlobReader : public grpc::ServerReadReactor<v1::CreateSessionChunk> {
  public:
+  using TakeFn = std::function<absl::Status(const PrincipalSessions&, const std::string&)>;
+
   // `take` gets the whole and runs in the scheduler's pool for requests.
   static BlobReader* Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                           std::function<absl::Status(const std::string&)> take);
+                           TakeFn take);
 
   void OnReadDone(bool ok) override;
   void OnDone() override { delete this; }
 
  private:
-  BlobReader(const ServiceState& state, grpc::CallbackServerContext* context,
-             std::function<absl::Status(const std::string&)> take);
+  BlobReader(const ServiceState& state, grpc::CallbackServerContext* context, TakeFn take);
+  absl::Status Enter();
   void End();
 
   const ServiceState& state_;
   grpc::CallbackServerContext* const context_;
-  const std::function<absl::Status(const std::string&)> take_;
+  const TakeFn take_;
+  std::optional<PrincipalSessions> sessions_;
   v1::CreateSessionChunk chunk_;
   IncomingBlob blob_;
 };

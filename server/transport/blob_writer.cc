@@ -7,11 +7,17 @@
 namespace cagefit::server {
 
 BlobWriter* BlobWriter::Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                              std::function<absl::StatusOr<std::string>()> make) {
+                              MakeFn make) {
   auto* writer = new BlobWriter(state, context);
-  const absl::Status queued =
-      state.scheduler->queries.Run(context->peer(), [writer, make = std::move(make)] {
-        writer->Begin(writer->context_->IsCancelled() ? CancelledCall(*writer->context_) : make());
+  const absl::StatusOr<PrincipalSessions> sessions = state.auth->Enter(*context);
+  if (!sessions.ok()) {
+    writer->Begin(sessions.status());
+    return writer;
+  }
+  const absl::Status queued = state.scheduler->queries.Run(
+      context->peer(), [writer, sessions = *sessions, make = std::move(make)] {
+        writer->Begin(writer->context_->IsCancelled() ? CancelledCall(*writer->context_)
+                                                      : make(sessions));
       });
   if (!queued.ok()) writer->Begin(queued);
   return writer;

@@ -17,9 +17,11 @@ namespace cagefit::server {
 // Deletes itself when gRPC is done with it.
 class BlobWriter : public grpc::ServerWriteReactor<v1::DataChunk> {
  public:
+  using MakeFn = std::function<absl::StatusOr<std::string>(const PrincipalSessions&)>;
+
   // `make` runs in the scheduler's pool for requests.
   static BlobWriter* Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                           std::function<absl::StatusOr<std::string>()> make);
+                           MakeFn make);
 
   void OnWriteDone(bool ok) override;
   void OnDone() override { delete this; }

@@ -23,22 +23,33 @@ int64_t MaxRequestBytes(const SessionLimits& limits) {
 EvaluateLossCall* EvaluateLossCall::Start(const ServiceState& state,
                                           grpc::CallbackServerContext* context) {
   auto* call = new EvaluateLossCall(state, context);
-  call->StartRead(&call->chunk_);
+  const absl::Status entered = call->Enter();
+  if (entered.ok()) {
+    call->StartRead(&call->chunk_);
+  } else {
+    call->End(entered);
+  }
   return call;
 }
 
 EvaluateLossCall::EvaluateLossCall(const ServiceState& state, grpc::CallbackServerContext* context)
     : state_(state),
       context_(context),
-      request_(MaxRequestBytes(state.store->session_limits()), state.budget),
+      request_(MaxRequestBytes(state.auth->session_limits()), state.budget),
       decoded_(state.budget),
       reply_(state.budget) {}
+
+absl::Status EvaluateLossCall::Enter() {
+  ASSIGN_OR_RETURN(sessions_, state_.auth->Enter(*context_));
+  return sessions_->CheckRate();
+}
 
 void EvaluateLossCall::End(const absl::Status& status) {
   Finish(ToGrpc(absl::IsCancelled(status) ? CancelledCall(*context_) : status, context_));
 }
 
 void EvaluateLossCall::OnReadDone(bool ok) {
+  if (ok) sessions_->Receive(static_cast<int64_t>(chunk_.ByteSizeLong()));
   const absl::Status read = ok ? request_.Add(chunk_.total_bytes(), chunk_.data()) : QueueDecode();
   if (!read.ok()) return End(read);
   if (ok) StartRead(&chunk_);
@@ -60,9 +71,9 @@ absl::Status EvaluateLossCall::Decode() {
     return InvalidField("data", "not an EvaluateLossRequest", "expected one, serialized");
   }
   ASSIGN_OR_RETURN(query_, FromProto(&request));
-  ASSIGN_OR_RETURN(const auto ledger, state_.store->Find(query_.session_id));
+  ASSIGN_OR_RETURN(const auto ledger, sessions_->Find(query_.session_id));
   if (query_.frame.has_value()) {
-    const SessionLimits& limits = state_.store->session_limits();
+    const SessionLimits& limits = sessions_->limits();
     RETURN_IF_ERROR(
         CheckFrameBytes("frame.data", query_.frame->bytes.size(), limits.max_frame_bytes));
     const std::vector<Camera>& cameras = ledger->config().cameras;
@@ -71,14 +82,17 @@ absl::Status EvaluateLossCall::Decode() {
     RETURN_IF_ERROR(query_.frame->cloud.status());
     query_.frame->bytes = std::string();
   }
-  return state_.scheduler->fits.Run(
-      query_.session_id, [this] { Reply(); }, ledger->config().priority);
+  return sessions_->RunFit(
+      [this, priority = ledger->config().priority](WorkerPool::Task task) {
+        return state_.scheduler->fits.Run(query_.session_id, std::move(task), priority);
+      },
+      [this] { Reply(); }, [this](const absl::Status& refused) { End(refused); });
 }
 
 absl::StatusOr<Loss> EvaluateLossCall::Evaluate() const {
   const auto cancelled = [this] { return context_->IsCancelled(); };
   if (cancelled()) return absl::CancelledError("cancelled");
-  ASSIGN_OR_RETURN(const SessionLease session, state_.store->Lease(query_.session_id));
+  ASSIGN_OR_RETURN(const SessionLease session, sessions_->Lease(query_.session_id));
   return session->EvaluateLoss(query_.vertices, query_.frame.has_value() ? &*query_.frame : nullptr,
                                cancelled);
 }

@@ -7,6 +7,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <optional>
+
 #include "cagefit/v1/fitting.pb.h"
 #include "server/transport/incoming_blob.h"
 #include "server/transport/loss_convert.h"
@@ -27,6 +29,7 @@ class EvaluateLossCall : public grpc::ServerBidiReactor<v1::DataChunk, v1::DataC
  private:
   EvaluateLossCall(const ServiceState& state, grpc::CallbackServerContext* context);
 
+  absl::Status Enter();
   absl::Status QueueDecode();
   absl::Status Decode();  // in the pool for decodes; queues the evaluation
   absl::StatusOr<Loss> Evaluate() const;
@@ -35,6 +38,7 @@ class EvaluateLossCall : public grpc::ServerBidiReactor<v1::DataChunk, v1::DataC
 
   const ServiceState& state_;
   grpc::CallbackServerContext* const context_;
+  std::optional<PrincipalSessions> sessions_;
   v1::DataChunk chunk_;
   IncomingBlob request_;
   LossQuery query_;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
 #include "server/session/fail_point.h"
@@ -22,7 +23,8 @@ FitFramesCall* FitFramesCall::Start(const ServiceState* state,
                                     grpc::CallbackServerContext* context) {
   std::shared_ptr<FitFramesCall> call(new FitFramesCall(state, context));
   call->self_ = call;
-  const absl::Status added = state->streams->Add(call);
+  absl::Status added = call->sessions_.status();
+  if (added.ok()) added = state->streams->Add(call);
   std::lock_guard<std::mutex> lock(call->mutex_);
   if (added.ok()) {
     call->ReadOn();
@@ -34,10 +36,11 @@ FitFramesCall* FitFramesCall::Start(const ServiceState* state,
 
 FitFramesCall::FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context)
     : state_(state),
+      sessions_(state->auth->Enter(*context)),
       context_(context),
       deadline_(absl::FromChrono(context->deadline())),
       key_(absl::StrCat(reinterpret_cast<uintptr_t>(this))),
-      assembler_(state->store->session_limits().max_frame_bytes, state->budget) {}
+      assembler_(state->auth->session_limits().max_frame_bytes, state->budget) {}
 
 void FitFramesCall::OnReadDone(bool ok) {
   const std::shared_ptr<FitFramesCall> self = shared_from_this();
@@ -51,8 +54,10 @@ void FitFramesCall::OnReadDone(bool ok) {
                        : assembler_.CheckBetweenFrames());
     return;
   }
+  const absl::Duration wait = sessions_->Receive(static_cast<int64_t>(request_.ByteSizeLong()));
   const absl::Status taken = Take(&request_);
   if (!taken.ok()) EndAfterFrames(taken);
+  if (wait > absl::ZeroDuration()) Pause(wait);
   ReadOn();
 }
 
@@ -87,7 +92,7 @@ absl::Status FitFramesCall::StartOpening(const std::string& session_id) {
 
 void FitFramesCall::Open(const std::string& session_id) {
   const std::weak_ptr<FitFramesCall> weak = weak_from_this();
-  auto opened = state_->store->OpenStream(session_id, [weak](const absl::Status& status) {
+  auto opened = sessions_->OpenStream(session_id, [weak](const absl::Status& status) {
     if (const auto call = weak.lock()) call->Stop(status);
   });
   std::lock_guard<std::mutex> lock(mutex_);
@@ -165,13 +170,15 @@ void FitFramesCall::Decode(std::shared_ptr<ReceivedFrame> received) {
   const absl::Status room =
       received->reservation.Grow(DecodedMaskBytes(frame.stated_masks, cameras));
   if (!room.ok()) return Stop(room);
-  DecodeFrame(state_->store->session_limits().decode, cameras, state_->clock, &frame);
-  const absl::Status queued = state_->scheduler->fits.Run(
-      ledger_->id(),
-      [self = shared_from_this(), received, ready_ms = state_->clock()] {
-        self->Fit(received, ready_ms);
+  DecodeFrame(sessions_->limits().decode, cameras, state_->clock, &frame);
+  const auto self = shared_from_this();
+  const absl::Status queued = sessions_->RunFit(
+      [self](WorkerPool::Task task) {
+        return self->state_->scheduler->fits.Run(self->ledger_->id(), std::move(task),
+                                                 self->ledger_->config().priority);
       },
-      ledger_->config().priority);
+      [self, received, ready_ms = state_->clock()] { self->Fit(received, ready_ms); },
+      [self](const absl::Status& refused) { self->Stop(refused); });
   if (!queued.ok()) Stop(queued);
 }
 
@@ -185,7 +192,7 @@ void FitFramesCall::Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms
 }
 
 absl::StatusOr<FrameAnswer> FitFramesCall::Answer(Frame frame) {
-  ASSIGN_OR_RETURN(const SessionLease session, state_->store->Lease(ledger_->id()));
+  ASSIGN_OR_RETURN(const SessionLease session, sessions_->Lease(ledger_->id()));
   ASSIGN_OR_RETURN(FrameAnswer answer, session->Answer(std::move(frame), epoch_, [this] {
     if (abandoned_) return true;
     state_->scheduler->fits.GiveWay();
@@ -196,7 +203,7 @@ absl::StatusOr<FrameAnswer> FitFramesCall::Answer(Frame frame) {
 }
 
 absl::StatusOr<FrameAnswer> FitFramesCall::Skip(const SkippedFrame& frame) {
-  ASSIGN_OR_RETURN(const SessionLease session, state_->store->Lease(ledger_->id()));
+  ASSIGN_OR_RETURN(const SessionLease session, sessions_->Lease(ledger_->id()));
   return session->Skip(frame, epoch_);
 }
 
@@ -262,10 +269,23 @@ void FitFramesCall::EndNow(const absl::Status& status) {
 }
 
 void FitFramesCall::ReadOn() {
-  if (opening_ || reading_ || end_.has_value() || in_flight_ >= FramesInFlight()) return;
-  if (arriving_ >= kMaxArriving) return;
+  if (opening_ || reading_ || paused_ || end_.has_value()) return;
+  if (in_flight_ >= FramesInFlight() || arriving_ >= kMaxArriving) return;
   reading_ = true;
   StartRead(&request_);
+}
+
+void FitFramesCall::Pause(absl::Duration wait) {
+  paused_ = true;
+  // A new one each time: an alarm must not be set again before its last call has returned.
+  resume_ = std::make_unique<grpc::Alarm>();
+  resume_->Set(absl::ToChronoTime(absl::Now() + wait), [weak = weak_from_this()](bool) {
+    const auto call = weak.lock();
+    if (call == nullptr) return;
+    std::lock_guard<std::mutex> lock(call->mutex_);
+    call->paused_ = false;
+    call->ReadOn();
+  });
 }
 
 void FitFramesCall::MoveOn() {

@@ -7,6 +7,7 @@
 #ifndef CAGEFIT_SERVER_TRANSPORT_FIT_FRAMES_CALL_H_
 #define CAGEFIT_SERVER_TRANSPORT_FIT_FRAMES_CALL_H_
 
+#include <grpcpp/alarm.h>
 #include <grpcpp/grpcpp.h>
 
 #include <atomic>
@@ -57,7 +58,8 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   void EndAfterFrames(const absl::Status& status);  // those in flight are still answered
   void EndNow(const absl::Status& status);          // only answers that wait are still sent
   void ReadOn();
-  void MoveOn();  // starts the next write, or finishes
+  void Pause(absl::Duration wait);  // nothing is read meanwhile
+  void MoveOn();                    // starts the next write, or finishes
 
   // In the pools.
   void Open(const std::string& session_id);
@@ -72,6 +74,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   void Stop(const absl::Status& status);  // EndNow from outside
 
   const ServiceState* const state_;
+  const absl::StatusOr<PrincipalSessions> sessions_;  // OK in all but the first moment
   grpc::CallbackServerContext* const context_;
   const absl::Time deadline_;
   const std::string key_;                // in the pool for decodes
@@ -91,8 +94,9 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   bool has_begun_ = false;  // a frame is decoded or fitted
   LatestFrames latest_;
 
-  bool opening_ = false, reading_ = false, writing_ = false, finished_ = false;
-  std::deque<Outgoing> outgoing_;  // the first one is being written while writing_
+  bool opening_ = false, reading_ = false, writing_ = false, finished_ = false, paused_ = false;
+  std::unique_ptr<grpc::Alarm> resume_;  // of the latest pause
+  std::deque<Outgoing> outgoing_;        // the first one is being written while writing_
   std::optional<absl::Status> end_;
 };
 

@@ -22,25 +22,39 @@ namespace cagefit::server {
 namespace {
 
 constexpr uint32_t kMaxPageSize = 1000;
+// Whoever sends more than they may can still see their sessions, and delete them.
+constexpr int64_t kSmallRequestBytes = 4096;
 constexpr size_t kMaxPageBytes = 3 << 20;  // sessions have cameras: up to some 25 KB each
+
+using UnaryFn = std::function<absl::Status(const PrincipalSessions&)>;
+
+absl::Status Queue(const ServiceState& state, grpc::CallbackServerContext* context,
+                   int64_t request_bytes, grpc::ServerUnaryReactor* reactor, UnaryFn work) {
+  ASSIGN_OR_RETURN(const PrincipalSessions sessions, state.auth->Enter(*context));
+  if (request_bytes > kSmallRequestBytes) RETURN_IF_ERROR(sessions.CheckRate());
+  sessions.Receive(request_bytes);
+  return state.scheduler->queries.Run(
+      context->peer(), [reactor, context, sessions, work = std::move(work)] {
+        reactor->Finish(
+            ToGrpc(context->IsCancelled() ? CancelledCall(*context) : work(sessions), context));
+      });
+}
 
 // Answers from a pool: `work` may take its time.
 grpc::ServerUnaryReactor* RunUnary(const ServiceState& state, grpc::CallbackServerContext* context,
-                                   std::function<absl::Status()> work) {
+                                   const google::protobuf::Message& request, UnaryFn work) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   const absl::Status queued =
-      state.scheduler->queries.Run(context->peer(), [reactor, context, work = std::move(work)] {
-        reactor->Finish(ToGrpc(context->IsCancelled() ? CancelledCall(*context) : work(), context));
-      });
+      Queue(state, context, static_cast<int64_t>(request.ByteSizeLong()), reactor, std::move(work));
   if (!queued.ok()) reactor->Finish(ToGrpc(queued, context));
   return reactor;
 }
 
-absl::Status Create(const ServiceState& state, const v1::CreateSessionRequest& request,
-                    v1::Session* session) {
+absl::Status Create(const ServiceState& state, const PrincipalSessions& sessions,
+                    const v1::CreateSessionRequest& request, v1::Session* session) {
   RETURN_IF_ERROR(state.streams->CheckServing());
-  ASSIGN_OR_RETURN(SessionConfig config, FromProto(request, state.store->session_limits()));
-  ASSIGN_OR_RETURN(const auto ledger, state.store->Create(std::move(config), absl::Now()));
+  ASSIGN_OR_RETURN(SessionConfig config, FromProto(request, sessions.limits()));
+  ASSIGN_OR_RETURN(const auto ledger, sessions.Create(std::move(config), absl::Now()));
   *session = ToProto(*ledger);
   return absl::OkStatus();
 }
@@ -59,10 +73,11 @@ absl::StatusOr<ControlMesh> FindMesh(const SessionLedger& ledger,
   return ledger.LatestMesh();
 }
 
-absl::StatusOr<std::string> Surface(SessionStore& store, const v1::GetSurfaceRequest& request) {
-  ASSIGN_OR_RETURN(const auto ledger, store.Find(request.session_id()));
+absl::StatusOr<std::string> Surface(const PrincipalSessions& sessions,
+                                    const v1::GetSurfaceRequest& request) {
+  ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request.session_id()));
   SurfaceExportOptions options;
-  options.max_triangles = store.session_limits().max_surface_triangles;
+  options.max_triangles = sessions.limits().max_surface_triangles;
   if (request.has_levels()) options.levels = request.levels();
   if (request.has_position_bits()) {
     options.position_bits = request.position_bits();
@@ -76,11 +91,12 @@ absl::StatusOr<std::string> Surface(SessionStore& store, const v1::GetSurfaceReq
   return ExportSurface(mesh, options);
 }
 
-absl::StatusOr<std::string> Stencils(SessionStore& store, const v1::GetStencilsRequest& request) {
-  ASSIGN_OR_RETURN(const auto ledger, store.Find(request.session_id()));
+absl::StatusOr<std::string> Stencils(const PrincipalSessions& sessions,
+                                     const v1::GetStencilsRequest& request) {
+  ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request.session_id()));
   ASSIGN_OR_RETURN(const ControlMesh mesh, ledger->FinalTemplate());
   StencilExportOptions options;
-  options.max_triangles = store.session_limits().max_surface_triangles;
+  options.max_triangles = sessions.limits().max_surface_triangles;
   if (request.has_levels()) options.levels = request.levels();
   ASSIGN_OR_RETURN(const ExportedStencils stencils,
                    ExportStencils(mesh, ledger->config().fit.distance, options));
@@ -92,79 +108,89 @@ absl::StatusOr<std::string> Stencils(SessionStore& store, const v1::GetStencilsR
 grpc::ServerUnaryReactor* FittingService::CreateSession(grpc::CallbackServerContext* context,
                                                         const v1::CreateSessionRequest* request,
                                                         v1::Session* session) {
-  return RunUnary(state_, context,
-                  [this, request, session] { return Create(state_, *request, session); });
+  return RunUnary(state_, context, *request,
+                  [this, request, session](const PrincipalSessions& sessions) {
+                    return Create(state_, sessions, *request, session);
+                  });
 }
 
 grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFromStream(
     grpc::CallbackServerContext* context, v1::Session* session) {
-  return BlobReader::Start(state_, context, [this, session](const std::string& blob) {
-    v1::CreateSessionRequest request;
-    if (!request.ParseFromString(blob)) {
-      return InvalidField("data", "not a CreateSessionRequest", "expected one, serialized");
-    }
-    return Create(state_, request, session);
-  });
+  return BlobReader::Start(
+      state_, context, [this, session](const PrincipalSessions& sessions, const std::string& blob) {
+        v1::CreateSessionRequest request;
+        if (!request.ParseFromString(blob)) {
+          return InvalidField("data", "not a CreateSessionRequest", "expected one, serialized");
+        }
+        return Create(state_, sessions, request, session);
+      });
 }
 
 grpc::ServerUnaryReactor* FittingService::GetSession(grpc::CallbackServerContext* context,
                                                      const v1::GetSessionRequest* request,
                                                      v1::Session* session) {
-  return RunUnary(state_, context, [this, request, session]() -> absl::Status {
-    ASSIGN_OR_RETURN(const auto ledger, state_.store->Find(request->session_id()));
-    *session = ToProto(*ledger);
-    return absl::OkStatus();
-  });
+  return RunUnary(state_, context, *request,
+                  [request, session](const PrincipalSessions& sessions) -> absl::Status {
+                    ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request->session_id()));
+                    *session = ToProto(*ledger);
+                    return absl::OkStatus();
+                  });
 }
 
 grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerContext* context,
                                                        const v1::ListSessionsRequest* request,
                                                        v1::ListSessionsResponse* response) {
-  return RunUnary(state_, context, [this, request, response]() -> absl::Status {
-    const uint32_t size =
-        request->page_size() == 0 ? kMaxPageSize : std::min(request->page_size(), kMaxPageSize);
-    // The token is the last id of the page before: it stays good when sessions come and go.
-    ASSIGN_OR_RETURN(const auto page, state_.store->List(request->page_token(), size + 1));
-    size_t bytes = 0;
-    for (size_t k = 0; k < page.size(); ++k) {
-      v1::Session session = ToProto(*page[k]);
-      bytes += session.ByteSizeLong();
-      if (k == size || (k > 0 && bytes > kMaxPageBytes)) {
-        response->set_next_page_token(page[k - 1]->id());
-        break;
-      }
-      *response->add_sessions() = std::move(session);
-    }
-    return absl::OkStatus();
-  });
+  return RunUnary(
+      state_, context, *request,
+      [request, response](const PrincipalSessions& sessions) -> absl::Status {
+        const uint32_t size =
+            request->page_size() == 0 ? kMaxPageSize : std::min(request->page_size(), kMaxPageSize);
+        // The token is the last id of the page before: it stays good when sessions come and go.
+        ASSIGN_OR_RETURN(const auto page, sessions.List(request->page_token(), size + 1));
+        size_t bytes = 0;
+        for (size_t k = 0; k < page.size(); ++k) {
+          v1::Session session = ToProto(*page[k]);
+          bytes += session.ByteSizeLong();
+          if (k == size || (k > 0 && bytes > kMaxPageBytes)) {
+            response->set_next_page_token(page[k - 1]->id());
+            break;
+          }
+          *response->add_sessions() = std::move(session);
+        }
+        return absl::OkStatus();
+      });
 }
 
 grpc::ServerUnaryReactor* FittingService::DeleteSession(grpc::CallbackServerContext* context,
                                                         const v1::DeleteSessionRequest* request,
                                                         google::protobuf::Empty*) {
-  return RunUnary(state_, context,
-                  [this, request] { return state_.store->Delete(request->session_id()); });
+  return RunUnary(state_, context, *request, [request](const PrincipalSessions& sessions) {
+    return sessions.Delete(request->session_id());
+  });
 }
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetControlMesh(
     grpc::CallbackServerContext* context, const v1::GetControlMeshRequest* request) {
-  return BlobWriter::Start(state_, context, [this, request]() -> absl::StatusOr<std::string> {
-    ASSIGN_OR_RETURN(const auto ledger, state_.store->Find(request->session_id()));
-    ASSIGN_OR_RETURN(const ControlMesh mesh, FindMesh(*ledger, *request));
-    return ToProto(mesh).SerializeAsString();
-  });
+  return BlobWriter::Start(
+      state_, context, [request](const PrincipalSessions& sessions) -> absl::StatusOr<std::string> {
+        ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request->session_id()));
+        ASSIGN_OR_RETURN(const ControlMesh mesh, FindMesh(*ledger, *request));
+        return ToProto(mesh).SerializeAsString();
+      });
 }
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetSurface(
     grpc::CallbackServerContext* context, const v1::GetSurfaceRequest* request) {
-  return BlobWriter::Start(state_, context,
-                           [this, request] { return Surface(*state_.store, *request); });
+  return BlobWriter::Start(state_, context, [request](const PrincipalSessions& sessions) {
+    return Surface(sessions, *request);
+  });
 }
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetStencils(
     grpc::CallbackServerContext* context, const v1::GetStencilsRequest* request) {
-  return BlobWriter::Start(state_, context,
-                           [this, request] { return Stencils(*state_.store, *request); });
+  return BlobWriter::Start(state_, context, [request](const PrincipalSessions& sessions) {
+    return Stencils(sessions, *request);
+  });
 }
 
 grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* FittingService::EvaluateLoss(

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "server/session/scheduler.h"
-#include "server/session/session_store.h"
+#include "server/transport/auth.h"
 #include "server/transport/byte_budget.h"
 #include "server/transport/stream_registry.h"
 
@@ -15,7 +15,7 @@ namespace cagefit::server {
 
 // Not owned, but for the logger; all of it outlives every call.
 struct ServiceState {
-  SessionStore* store = nullptr;
+  const Auth* auth = nullptr;  // every call enters by it
   Scheduler* scheduler = nullptr;
   ByteBudget* budget = nullptr;
   StreamRegistry* streams = nullptr;

@@ -73,8 +73,9 @@ TEST_F(HousekeepingTest, SeesAStoreGoAwayAndComeBack) {
 }
 
 TEST_F(HousekeepingTest, DeletesSessionsAfterTheirTimeToLiveButNoneWithAStream) {
-  const std::string unused = (*store_.Create(CageConfig(), absl::UnixEpoch()))->id();
-  const std::string streaming = (*store_.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const std::string unused = (*store_.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
+  const std::string streaming =
+      (*store_.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
   ASSERT_TRUE(store_.OpenStream(streaming, [](const absl::Status&) {}).ok());
   Keep(absl::InfiniteDuration(), absl::Milliseconds(20));
   while (store_.Find(unused).ok()) looks_.WaitForAnother();
@@ -83,7 +84,7 @@ TEST_F(HousekeepingTest, DeletesSessionsAfterTheirTimeToLiveButNoneWithAStream) 
 }
 
 TEST_F(HousekeepingTest, TakesUnusedSessionsOutOfMemory) {
-  const std::string id = (*store_.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const std::string id = (*store_.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
   const std::weak_ptr<SessionLedger> loaded = store_.Find(id).value();
   Keep(absl::ZeroDuration(), absl::InfiniteDuration());
   while (!loaded.expired()) looks_.WaitForAnother();

@@ -24,13 +24,14 @@ namespace cagefit::server::testing {
 // Listens on a free port of this machine and on a Unix socket.
 class RunningServer {
  public:
-  explicit RunningServer(ServerOptions options = ServerOptions()) {
+  explicit RunningServer(ServerOptions options = ServerOptions(),
+                         std::shared_ptr<spdlog::logger> log = SilentLog()) {
     // Without a reference of its own, the next test would wait for gRPC to shut down first: 10 s
     // after large messages.
     static const bool keep_grpc = (grpc_init(), true);
     (void)keep_grpc;
     options.listen = {"127.0.0.1:0", "unix:" + folder_.path() + "/socket"};
-    auto server = Server::Start(options, SilentLog());
+    auto server = Server::Start(options, std::move(log));
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }

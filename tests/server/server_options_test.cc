@@ -66,12 +66,29 @@ TEST_F(ServerOptionsTest, DefaultsAreValid) {
 }
 
 TEST_F(ServerOptionsTest, EveryFlagArrives) {
-  const ServerOptions o = ParseGood(
-      {"--listen=a:1", "--template-program=/p", "--template-memory-mib=65",
-       "--template-seconds=1.5", "--max-frame-mib=2", "--max-points=17", "--max-control-vertices=5",
-       "--max-sessions=3", "--max-frames=4", "--max-history-mib=6", "--max-streams=7",
-       "--max-buffered-mib=8", "--threads=9", "--fits=10", "--store=sqlite:/s",
-       "--session-ttl-seconds=11", "--drain-seconds=0.5", "--log-level=trace"});
+  const ServerOptions o = ParseGood({"--listen=a:1",
+                                     "--template-program=/p",
+                                     "--template-memory-mib=65",
+                                     "--template-seconds=1.5",
+                                     "--max-frame-mib=2",
+                                     "--max-points=17",
+                                     "--max-control-vertices=5",
+                                     "--max-sessions=3",
+                                     "--max-frames=4",
+                                     "--max-history-mib=6",
+                                     "--max-streams=7",
+                                     "--max-buffered-mib=8",
+                                     "--threads=9",
+                                     "--fits=10",
+                                     "--store=sqlite:/s",
+                                     "--session-ttl-seconds=11",
+                                     "--drain-seconds=0.5",
+                                     "--log-level=trace",
+                                     "--tls-cert=/c",
+                                     "--tls-key=/k",
+                                     "--tls-client-ca=/r",
+                                     "--tokens=/t",
+                                     "--reflection"});
   EXPECT_THAT(o.listen, ElementsAre("a:1"));
   EXPECT_EQ(o.template_program, "/p");
   EXPECT_EQ(o.template_memory_mib, 65);
@@ -90,6 +107,11 @@ TEST_F(ServerOptionsTest, EveryFlagArrives) {
   EXPECT_EQ(o.session_ttl_seconds, 11);
   EXPECT_EQ(o.drain_seconds, 0.5);
   EXPECT_EQ(o.log_level, "trace");
+  EXPECT_EQ(o.tls_cert, "/c");
+  EXPECT_EQ(o.tls_key, "/k");
+  EXPECT_EQ(o.tls_client_ca, "/r");
+  EXPECT_EQ(o.tokens, "/t");
+  EXPECT_TRUE(o.reflection);
 }
 
 TEST_F(ServerOptionsTest, KeepsSessionsInTheFolderForProgramData) {
@@ -158,6 +180,12 @@ TEST_F(ServerOptionsTest, ABadValueNamesFieldValueAndRange) {
 TEST_F(ServerOptionsTest, ABadVariableNamesItToo) {
   SetVariable("CAGEFITD_MAX_POINTS", "15");
   ExpectRefused({}, "max-points is 15");
+}
+
+TEST_F(ServerOptionsTest, HalfOfTlsIsAnErrorThatNamesTheOtherHalf) {
+  ExpectRefused({"--tls-cert=/c"}, "--tls-key is not set");
+  ExpectRefused({"--tls-key=/k"}, "--tls-cert is not set");
+  ExpectRefused({"--tls-client-ca=/r"}, "--tls-cert is not set", "--tls-client-ca");
 }
 
 TEST_F(ServerOptionsTest, NaNIsOutOfEveryRange) {

@@ -104,7 +104,7 @@ TEST(ServerTest, RefusesBadOptions) {
   EXPECT_TRUE(absl::IsInvalidArgument(Server::Start(options, SilentLog()).status()));
 }
 
-TEST(ServerTest, HealthAndReflectionAnswer) {
+TEST(ServerTest, HealthAnswers) {
   RunningServer server;
   const std::string serving = "\x08\x01";  // HealthCheckResponse.status = SERVING
   EXPECT_EQ(CallRaw(server.tcp(), "/grpc.health.v1.Health/Check", ""), serving);
@@ -114,11 +114,34 @@ TEST(ServerTest, HealthAndReflectionAnswer) {
       CallRaw(server.tcp(), "/grpc.health.v1.Health/Check",
               absl::StrCat("\x0a", std::string(1, static_cast<char>(service.size())), service)),
       serving);
-  // ServerReflectionRequest.list_services
-  EXPECT_THAT(
-      CallRaw(server.tcp(), "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
-              std::string("\x3a\x01*")),
-      HasSubstr(service));
+}
+
+TEST(ServerTest, ReflectionAnswersOnlyWhereItIsAskedFor) {
+  const auto list_services = [](const RunningServer& server) {
+    // ServerReflectionRequest.list_services
+    return CallRaw(server.tcp(), "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+                   std::string("\x3a\x01*"));
+  };
+  ServerOptions options;
+  options.reflection = true;
+  EXPECT_THAT(list_services(RunningServer(options)), HasSubstr("cagefit.v1.Fitting"));
+  EXPECT_THAT(list_services(RunningServer()), ::testing::StartsWith("error: "));
+}
+
+TEST(ServerTest, CompressedMessagesAreRefusedBeforeTheyAreInflated) {
+  RunningServer server;
+  for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP}) {
+    const auto stub =
+        v1::Fitting::NewStub(grpc::CreateChannel(server.tcp(), grpc::InsecureChannelCredentials()));
+    grpc::ClientContext context;
+    context.set_compression_algorithm(algorithm);
+    v1::CreateSessionRequest request = CageRequest();
+    request.set_name(std::string(200, 'n'));
+    v1::Session session;
+    const grpc::Status status = stub->CreateSession(&context, request, &session);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::UNIMPLEMENTED) << status.error_message();
+  }
+  EXPECT_TRUE(server.Connect()->ListSessions()->empty());
 }
 
 // ---- Sessions ----

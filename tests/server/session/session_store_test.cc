@@ -28,7 +28,7 @@ class SessionStoreTest : public ::testing::Test {
 
 TEST_F(SessionStoreTest, FindsWhatItCreated) {
   SessionStore store = MakeStore();
-  const auto created = store.Create(CageConfig(), absl::FromUnixSeconds(5));
+  const auto created = store.Create(Principal(), CageConfig(), absl::FromUnixSeconds(5));
   ASSERT_TRUE(created.ok()) << created.status();
   const auto found = store.Find((*created)->id());
   ASSERT_TRUE(found.ok()) << found.status();
@@ -50,11 +50,12 @@ TEST_F(SessionStoreTest, AnUnknownSessionIsNotFoundAndNamed) {
 TEST_F(SessionStoreTest, ListsPagesInOrderOfId) {
   SessionStore store = MakeStore();
   std::set<std::string> ids;
-  for (int k = 0; k < 7; ++k) ids.insert((*store.Create(CageConfig(), absl::UnixEpoch()))->id());
+  for (int k = 0; k < 7; ++k)
+    ids.insert((*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id());
   std::vector<std::string> listed;
   std::string after;
   for (const size_t expected : {3u, 3u, 1u, 0u}) {
-    const auto page = store.List(after, 3).value();
+    const auto page = store.List("", after, 3).value();
     ASSERT_EQ(page.size(), expected);
     for (const auto& ledger : page) listed.push_back(ledger->id());
     after = listed.back();
@@ -64,7 +65,7 @@ TEST_F(SessionStoreTest, ListsPagesInOrderOfId) {
 
 TEST_F(SessionStoreTest, ALeaseExcludesAnotherUntilItEnds) {
   SessionStore store = MakeStore();
-  const std::string id = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const std::string id = (*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
   {
     const auto lease = store.Lease(id);
     ASSERT_TRUE(lease.ok()) << lease.status();
@@ -76,7 +77,7 @@ TEST_F(SessionStoreTest, ALeaseExcludesAnotherUntilItEnds) {
 
 TEST_F(SessionStoreTest, AMovedLeaseEndsOnce) {
   SessionStore store = MakeStore();
-  const std::string id = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const std::string id = (*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
   std::optional<SessionLease> lease(store.Lease(id).value());
   std::optional<SessionLease> moved(*std::move(lease));
   lease.reset();
@@ -87,15 +88,15 @@ TEST_F(SessionStoreTest, AMovedLeaseEndsOnce) {
 
 TEST_F(SessionStoreTest, LeasesOfDifferentSessionsAreIndependent) {
   SessionStore store = MakeStore();
-  const auto a = store.Lease((*store.Create(CageConfig(), absl::UnixEpoch()))->id());
-  const auto b = store.Lease((*store.Create(CageConfig(), absl::UnixEpoch()))->id());
+  const auto a = store.Lease((*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id());
+  const auto b = store.Lease((*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id());
   EXPECT_TRUE(a.ok());
   EXPECT_TRUE(b.ok());
 }
 
 TEST_F(SessionStoreTest, DeletingEndsTheStreamButNotTheLease) {
   SessionStore store = MakeStore();
-  const auto ledger = *store.Create(CageConfig(), absl::UnixEpoch());
+  const auto ledger = *store.Create(Principal(), CageConfig(), absl::UnixEpoch());
   absl::Status ended;
   ASSERT_TRUE(ledger->OpenStream([&ended](const absl::Status& status) { ended = status; }).ok());
   const auto lease = store.Lease(ledger->id());
@@ -106,7 +107,7 @@ TEST_F(SessionStoreTest, DeletingEndsTheStreamButNotTheLease) {
   EXPECT_EQ(ReasonOf(ended), "SESSION_DELETED");
   EXPECT_TRUE(absl::IsNotFound(store.Find(ledger->id()).status()));
   EXPECT_TRUE(absl::IsNotFound(store.Delete(ledger->id())));
-  EXPECT_TRUE(store.List("", 10)->empty());
+  EXPECT_TRUE(store.List("", "", 10)->empty());
   EXPECT_EQ((*lease)->ledger(), ledger);
 }
 
@@ -129,8 +130,8 @@ TEST_F(SessionStoreTest, OpensASessionThatAnotherProcessHasWritten) {
 
 TEST_F(SessionStoreTest, ExpiresWhatNobodyUsesButNoSessionWithAStream) {
   SessionStore store = MakeStore();
-  const std::string unused = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
-  const std::string streaming = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const std::string unused = (*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
+  const std::string streaming = (*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
   ASSERT_TRUE(store.OpenStream(streaming, [](const absl::Status&) {}).ok());
   EXPECT_EQ(store.Attached(), std::vector<std::string>{streaming});
   ASSERT_TRUE(journal_.Touch({streaming}, absl::UnixEpoch()).ok());
@@ -142,7 +143,7 @@ TEST_F(SessionStoreTest, ExpiresWhatNobodyUsesButNoSessionWithAStream) {
 
 TEST_F(SessionStoreTest, AJournalInMemoryKeepsItsSessionsThere) {
   SessionStore store = MakeStore();
-  const auto created = store.Create(CageConfig(), absl::UnixEpoch());
+  const auto created = store.Create(Principal(), CageConfig(), absl::UnixEpoch());
   store.Unload(absl::InfiniteFuture());
   EXPECT_EQ(store.Find((*created)->id()).value(), *created);
 }
@@ -151,13 +152,13 @@ TEST_F(SessionStoreTest, RefusesMoreSessionsThanItsLimit) {
   SessionStore::Limits limits;
   limits.max_sessions = 2;
   SessionStore store = MakeStore(limits);
-  const std::string first = (*store.Create(CageConfig(), absl::UnixEpoch()))->id();
-  ASSERT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
-  const absl::Status refused = store.Create(CageConfig(), absl::UnixEpoch()).status();
+  const std::string first = (*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
+  ASSERT_TRUE(store.Create(Principal(), CageConfig(), absl::UnixEpoch()).ok());
+  const absl::Status refused = store.Create(Principal(), CageConfig(), absl::UnixEpoch()).status();
   EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
   EXPECT_EQ(refused.message(), "sessions is 3; the limit is 2");
   ASSERT_TRUE(store.Delete(first).ok());
-  EXPECT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
+  EXPECT_TRUE(store.Create(Principal(), CageConfig(), absl::UnixEpoch()).ok());
 }
 
 TEST_F(SessionStoreTest, RefusesMoreControlVerticesThanItsLimit) {
@@ -167,7 +168,7 @@ TEST_F(SessionStoreTest, RefusesMoreControlVerticesThanItsLimit) {
   SessionConfig wish;
   wish.make_template.vertices = 42;
   for (const SessionConfig& config : {CageConfig(), wish}) {
-    const absl::Status refused = store.Create(config, absl::UnixEpoch()).status();
+    const absl::Status refused = store.Create(Principal(), config, absl::UnixEpoch()).status();
     EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
     EXPECT_EQ(refused.message(), "control vertices is 42; the limit is 41");
   }
@@ -177,7 +178,8 @@ TEST_F(SessionStoreTest, RefusesABadConfig) {
   SessionStore store = MakeStore();
   SessionConfig config = CageConfig();
   config.quantum = 1;
-  EXPECT_TRUE(absl::IsInvalidArgument(store.Create(config, absl::UnixEpoch()).status()));
+  EXPECT_TRUE(
+      absl::IsInvalidArgument(store.Create(Principal(), config, absl::UnixEpoch()).status()));
 }
 
 TEST_F(SessionStoreTest, RefusesATemplateWhereNoneCanBeMade) {
@@ -185,8 +187,8 @@ TEST_F(SessionStoreTest, RefusesATemplateWhereNoneCanBeMade) {
   templates_.available = absl::FailedPreconditionError("install it");
   SessionConfig wish;
   wish.make_template.vertices = 42;
-  EXPECT_EQ(store.Create(wish, absl::UnixEpoch()).status(), templates_.available);
-  EXPECT_TRUE(store.Create(CageConfig(), absl::UnixEpoch()).ok());
+  EXPECT_EQ(store.Create(Principal(), wish, absl::UnixEpoch()).status(), templates_.available);
+  EXPECT_TRUE(store.Create(Principal(), CageConfig(), absl::UnixEpoch()).ok());
 }
 
 TEST_F(SessionStoreTest, CamerasWithTooManyPixelsAreExhaustion) {
@@ -197,9 +199,9 @@ TEST_F(SessionStoreTest, CamerasWithTooManyPixelsAreExhaustion) {
   SessionStore store(limits, &journal, &templates, testing::NoTime);
   SessionConfig config = testing::CageConfig();
   config.cameras = {SmallCamera("left"), SmallCamera("right")};
-  EXPECT_TRUE(store.Create(config, absl::UnixEpoch()).ok());
+  EXPECT_TRUE(store.Create(Principal(), config, absl::UnixEpoch()).ok());
   config.cameras.push_back(SmallCamera("front"));
-  const absl::Status status = store.Create(config, absl::UnixEpoch()).status();
+  const absl::Status status = store.Create(Principal(), config, absl::UnixEpoch()).status();
   EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
   EXPECT_EQ(DetailOf(status)->value, "36");
 }

@@ -82,7 +82,7 @@ class DurableSessionTest : public ::testing::TestWithParam<const char*> {
 
   static std::string Create(const testing::StoreFile& file) {
     Process process(file);
-    return (*process.store().Create(ConfigOf(GetParam()), absl::Now()))->id();
+    return (*process.store().Create(Principal(), ConfigOf(GetParam()), absl::Now()))->id();
   }
   static Points3d Vertices(const testing::StoreFile& file, const std::string& id, uint64_t number) {
     Process process(file);
@@ -137,7 +137,7 @@ TEST(UnloadTest, AnUnloadedSessionGoesOnWithTheSameBits) {
   const testing::StoreFile kept_file, unloaded_file;
   Process kept(kept_file), unloaded(unloaded_file);
   for (Process* process : {&kept, &unloaded}) {
-    process->Open((*process->store().Create(CageConfig(), absl::Now()))->id());
+    process->Open((*process->store().Create(Principal(), CageConfig(), absl::Now()))->id());
   }
   for (uint64_t number = 0; number < 4; ++number) {
     const StoredFrame expected = kept.Answer(MovingFrame(number));
@@ -150,7 +150,7 @@ TEST(UnloadTest, AnUnloadedSessionGoesOnWithTheSameBits) {
 TEST(UnloadTest, TakesOnlyWhatNobodyHolds) {
   const testing::StoreFile file;
   Process process(file);
-  const std::string id = (*process.store().Create(CageConfig(), absl::Now()))->id();
+  const std::string id = (*process.store().Create(Principal(), CageConfig(), absl::Now()))->id();
   {
     const auto held = process.store().Find(id).value();
     process.store().Unload(absl::InfiniteFuture());

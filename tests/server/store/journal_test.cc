@@ -61,11 +61,27 @@ TEST_P(JournalTest, ASessionThatIsNotThereIsNotFound) {
 TEST_P(JournalTest, ListsIdsInOrderAndCounts) {
   for (const char* id : {"b", "d", "a", "c"}) ASSERT_TRUE(journal_->Create(RecordOf(id)).ok());
   EXPECT_EQ(journal_->Count().value(), 4);
-  EXPECT_EQ(journal_->Ids("", 2).value(), (std::vector<std::string>{"a", "b"}));
-  EXPECT_EQ(journal_->Ids("b", 9).value(), (std::vector<std::string>{"c", "d"}));
+  const std::string owner = "somebody";
+  EXPECT_EQ(journal_->Ids(owner, "", 2).value(), (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(journal_->Ids(owner, "b", 9).value(), (std::vector<std::string>{"c", "d"}));
   ASSERT_TRUE(journal_->Delete("c").ok());
-  EXPECT_EQ(journal_->Ids("b", 9).value(), std::vector<std::string>{"d"});
+  EXPECT_EQ(journal_->Ids(owner, "b", 9).value(), std::vector<std::string>{"d"});
   EXPECT_EQ(journal_->Count().value(), 3);
+}
+
+TEST_P(JournalTest, ListsAndCountsTheSessionsOfAnOwner) {
+  for (const char* id : {"b", "d", "a", "c"}) {
+    SessionRecord record = RecordOf(id);
+    record.owner = id < std::string("c") ? "north" : "";
+    ASSERT_TRUE(journal_->Create(record).ok());
+  }
+  EXPECT_EQ(journal_->Ids("north", "", 9).value(), (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(journal_->Ids("north", "a", 9).value(), std::vector<std::string>{"b"});
+  EXPECT_EQ(journal_->Ids("", "", 1).value(), std::vector<std::string>{"c"});
+  EXPECT_TRUE(journal_->Ids("south", "", 9)->empty());
+  EXPECT_EQ(journal_->CountOf("north").value(), 2);
+  EXPECT_EQ(journal_->CountOf("south").value(), 0);
+  EXPECT_EQ(journal_->Load("a")->owner, "north");
 }
 
 TEST_P(JournalTest, OnlyTheLatestEpochWrites) {

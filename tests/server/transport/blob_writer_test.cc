@@ -16,7 +16,7 @@ TEST(BlobWriterTest, SendsChunksOfAtMostAMebibyteThatTellTheTotal) {
   TestService service;
   SessionConfig config;
   config.control_mesh = cagefit::testing::FrameCage(6);
-  const auto ledger = *service.store.Create(config, absl::UnixEpoch());
+  const auto ledger = *service.store.Create(Principal(), config, absl::UnixEpoch());
   const std::string whole = ToProto(*config.control_mesh).SerializeAsString();
   ASSERT_GT(whole.size(), 1u << 20);
 
@@ -63,7 +63,7 @@ TEST(BlobWriterTest, AReaderThatLeavesDoesNotHoldTheServer) {
   TestService service;
   SessionConfig config;
   config.control_mesh = cagefit::testing::FrameCage(6);
-  const auto ledger = *service.store.Create(config, absl::UnixEpoch());
+  const auto ledger = *service.store.Create(Principal(), config, absl::UnixEpoch());
   BoundedContext context;
   v1::GetControlMeshRequest request;
   request.set_session_id(ledger->id());

@@ -32,7 +32,7 @@ struct TestService {
         budget(limits.budget_bytes),
         streams(limits.max_streams),
         scheduler(limits.scheduler),
-        service({&store, &scheduler, &budget, &streams, NoTime,
+        service({&auth, &scheduler, &budget, &streams, NoTime,
                  std::make_shared<spdlog::logger>("", log)}) {
     grpc::ServerBuilder builder;
     const std::string address = "unix:" + folder.path() + "/socket";
@@ -44,7 +44,9 @@ struct TestService {
   ~TestService() { network->Shutdown(std::chrono::system_clock::now()); }
 
   // The id of a new session with a cage.
-  std::string CreateSession() { return (*store.Create(CageConfig(), absl::UnixEpoch()))->id(); }
+  std::string CreateSession() {
+    return (*store.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
+  }
 
   // Returns once the fits that are queued for a session, and what they hold, are gone.
   void WaitForFits(const std::string& session_id) {
@@ -59,6 +61,7 @@ struct TestService {
   FakeTemplates templates;
   MemoryJournal journal;
   SessionStore store;
+  Auth auth{&store, /*tokens=*/nullptr};
   ByteBudget budget;
   StreamRegistry streams;
   Scheduler scheduler;
