@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 
@@ -21,7 +23,8 @@ enum ExitCode {
 using Run = std::function<int()>;
 
 void AddEvaluateCommand(CLI::App* app, Run* run);
-void AddFitCommand(CLI::App* app, Run* run);
+// `words`: the command line with what came from variables, once it is read; it outlives the run.
+void AddFitCommand(CLI::App* app, const std::vector<std::string>* words, Run* run);
 void AddRefineCommand(CLI::App* app, Run* run);
 void AddRenderCommand(CLI::App* app, Run* run);
 void AddSessionCommand(CLI::App* app, Run* run);

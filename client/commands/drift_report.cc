@@ -55,7 +55,7 @@ void MeasureRoundTripDrift(const ControlMesh& cage, FitReport* report) {
   Points3d returned;
   // The way back begins at the last frame but one.
   for (size_t k = 0; k < report->way_back.size(); ++k) {
-    FrameRecord& frame = report->frames[report->way_back.size() - 1 - k];
+    FrameRecord& frame = report->frames[report->frames.size() - 2 - k];
     const FrameRecord& back = report->way_back[k];
     if (!frame.status.ok() || !back.status.ok()) continue;
     ApplyStencils(limit.position, frame.control_vertices, &fit.vertices);

@@ -178,6 +178,44 @@ void AddDeltaSettings(v1::SessionOptions* options, CLI::App* command) {
                      [options](uint32_t value) { options->set_key_interval(value); });
 }
 
+// Which frames are fitted, and when.
+void AddSequenceFlags(FitArguments* a, CLI::App* command) {
+  command
+      ->add_option(
+          "--session", a->session,
+          "Go on with this session of the server, as the command says that a broken-off fit "
+          "prints; frames that it has answered are fetched, not fitted again")
+      ->needs("--server");
+  command
+      ->add_option("--give-up", a->give_up,
+                   "Seconds to go on trying when the server is away and no reply comes")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_option(
+      "--from-frame", a->from_frame,
+      "Leave out the frames before this one, counted from 0. A new session then starts with the "
+      "last control mesh before it in OUT/frames, where there is one, instead of --template or "
+      "--vertices. With --session: the frame that it began with");
+  CLI::Option* follow = command->add_flag(
+      "--follow", a->follow,
+      "INPUT is a folder that is being written to: take its files as they are completed, in "
+      "natural "
+      "order, until Ctrl-C. A file that is renamed to its name is complete at once");
+  for (const char* whole : {"--masks", "--landmarks", "--truth", "--round-trip"}) {
+    follow->excludes(command->get_option(whole));
+  }
+  command
+      ->add_option("--follow-settle", a->follow_settle,
+                   "Other files are complete when they have not changed for so many seconds")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 3600.0))
+      ->needs(follow);
+  command
+      ->add_option("--follow-idle", a->follow_idle, "End after so many seconds without a new file")
+      ->check(CLI::Range(0.001, 1e6))
+      ->needs(follow);
+}
+
 }  // namespace
 
 void AddFitFlags(FitArguments* a, CLI::App* command) {
@@ -245,6 +283,7 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
   command->add_option("--position-bits", a->position_bits, "Of clouds that are not Draco yet")
       ->capture_default_str()
       ->check(CLI::Range(8, 30));
+  AddSequenceFlags(a, command);
   AddTargetSettings(a->options.mutable_fit(), command);
   AddFieldSettings(a->options.mutable_fit(), command);
   AddSolverSettings(a->options.mutable_fit(), command);

@@ -20,11 +20,16 @@ struct FitArguments {
   ClientCredentials credentials;  // for the server
   std::string cameras, masks;     // a file or folder of cameras; a folder of their masks, or none
   std::string landmarks;          // a file of them, or none
+  std::string session;            // that goes on; empty: a new one
   uint32_t vertices = 0;
   std::optional<double> crease_angle;  // degrees
   int position_bits = 16;
   int threads = 0;  // of the server inside; 0: one per core
+  uint64_t from_frame = 0;
   bool keep_session = false, quick = false, json = false, round_trip = false;
+  bool follow = false;
+  double give_up = 60;                        // seconds, of a server that stays away
+  double follow_settle = 1, follow_idle = 0;  // seconds; idle 0: until interrupted
   bool latest = false;         // frames that the server cannot keep up with may be skipped
   v1::SessionOptions options;  // what is not given stays unset: the server's defaults
 };

@@ -94,11 +94,20 @@ void MeasureFrames(const ControlMesh& cage, FitReport* report) {
   }
 }
 
+double SampledDiagonal(const FitReport& report) {
+  for (const FrameRecord& frame : report.frames) {
+    const v1::SampledDistances& d = frame.reply.distances();
+    if (IsFitted(frame) && d.rms_percent() > 0) return 100 * d.rms() / d.rms_percent();
+  }
+  return 0;
+}
+
 FitTotals Totals(const FitReport& report) {
   FitTotals totals;
   totals.seconds = report.seconds;
   totals.frames_per_second = report.frames_per_second;
-  for (const FrameRecord& frame : report.frames) {
+  for (size_t k = report.first_frame; k < report.frames.size(); ++k) {
+    const FrameRecord& frame = report.frames[k];
     if (!IsFitted(frame)) {
       ++CountOf(frame, &totals);
       continue;
@@ -117,7 +126,8 @@ FitTotals Totals(const FitReport& report) {
 }
 
 Json FrameJson(const FrameRecord& frame, size_t index, double diagonal) {
-  Json json = {{"frame", index}, {"file", frame.file}};
+  Json json = {{"frame", index}};
+  if (!frame.file.empty()) json["file"] = frame.file;
   if (!IsFitted(frame)) {
     json["error"] = {{"code", absl::StatusCodeToString(frame.status.code())},
                      {"message", std::string(frame.status.message())}};
@@ -137,7 +147,7 @@ Json ReportJson(const FitReport& report) {
   const FitTotals totals = Totals(report);
   Json json = {{"cagefit", CAGEFIT_VERSION}, {"settings", report.settings}};
   json["session"] = ToJson(report.session);
-  json["total"] = {{"frames", report.frames.size()},
+  json["total"] = {{"frames", report.frames.size() - report.first_frame},
                    {"fitted", totals.fitted},
                    {"skipped", totals.skipped},
                    {"refused", totals.refused},
@@ -153,11 +163,11 @@ Json ReportJson(const FitReport& report) {
   const Json drift = TotalDriftJson(report);
   if (!drift.is_null()) json["total"]["drift"] = drift;
   json["frames"] = Json::array();
-  for (size_t k = 0; k < report.frames.size(); ++k) {
+  for (size_t k = report.first_frame; k < report.frames.size(); ++k) {
     json["frames"].push_back(FrameJson(report.frames[k], k, report.diagonal));
   }
   for (size_t k = 0; k < report.way_back.size(); ++k) {
-    const size_t index = report.way_back.size() - 1 - k;
+    const size_t index = report.frames.size() - 2 - k;
     json["way_back"].push_back(FrameJson(report.way_back[k], index, report.diagonal));
   }
   return json;
@@ -165,7 +175,7 @@ Json ReportJson(const FitReport& report) {
 
 void PrintFitTable(const FitReport& report, std::ostream& out) {
   std::vector<size_t> rows;
-  for (size_t k = 0; k < report.frames.size(); ++k) rows.push_back(k);
+  for (size_t k = report.first_frame; k < report.frames.size(); ++k) rows.push_back(k);
   if (rows.size() > kMostRows) {
     // Refused and lost frames first, then by distance.
     const auto badness = [&](size_t k) {
@@ -176,7 +186,8 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
                      [&](size_t a, size_t b) { return badness(a) > badness(b); });
     rows.resize(kMostRows);
     std::sort(rows.begin(), rows.end());
-    out << "The " << kMostRows << " worst of " << report.frames.size() << " frames:\n";
+    out << "The " << kMostRows << " worst of " << report.frames.size() - report.first_frame
+        << " frames:\n";
   }
   out << "       distance, % of the diagonal        noise, %                   milliseconds\n"
       << absl::StreamFormat("%5s %9s %9s %9s %9s %8s %6s %8s %8s %8s %8s\n", "frame", "mean", "RMS",
@@ -188,8 +199,9 @@ void PrintFitTable(const FitReport& report, std::ostream& out) {
       "%d of %d frames fitted, %d skipped, %d refused, %d suspect, %d lost; RMS %.4f %% on "
       "average, %.4f %% at "
       "worst; %.1f s",
-      totals.fitted, report.frames.size(), totals.skipped, totals.refused, totals.suspect,
-      totals.lost, totals.mean_rms_percent, totals.worst_rms_percent, totals.seconds);
+      totals.fitted, report.frames.size() - report.first_frame, totals.skipped, totals.refused,
+      totals.suspect, totals.lost, totals.mean_rms_percent, totals.worst_rms_percent,
+      totals.seconds);
   if (totals.frames_per_second > 0) {
     out << absl::StreamFormat(", %.1f frames a second", totals.frames_per_second);
   }

@@ -15,7 +15,7 @@
 namespace cagefit::client {
 
 struct FrameRecord {
-  std::string file;
+  std::string file;                                              // empty: not known
   absl::Status status = absl::UnavailableError("not answered");  // OK: fitted
   v1::FrameReply reply;  // without delta and template, which would fill the memory
   int64_t delta_bytes = 0;
@@ -38,6 +38,7 @@ struct FitTotals {
 
 struct FitReport {
   std::vector<FrameRecord> frames;
+  size_t first_frame = 0;             // those before it were not asked for and do not count
   std::vector<FrameRecord> way_back;  // of a round trip: from the last frame but one to frame 0
   DriftKind drift_kind = DriftKind::kNone;
   v1::Session session;
@@ -45,6 +46,9 @@ struct FitReport {
   double diagonal = 0;  // of the first target's bounding box
   double seconds = 0, frames_per_second = 0;
 };
+
+// Of the first target, as the server measured: from a distance that it gave both ways; 0: unknown.
+double SampledDiagonal(const FitReport& report);
 
 // Exact distances from the target (every point; of a mesh, vertices and samples) to the limit
 // surface of each fitted frame, at kMetricLevels. Frames whose file cannot be read again keep their

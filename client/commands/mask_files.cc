@@ -35,7 +35,7 @@ absl::Status CheckFolder(const std::string& folder, const std::vector<std::strin
         absl::StrCat(entry.path().string(), ": no camera is named \"", name, "\""));
   }
   if (!error) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat(folder, ": cannot be read: ", error.message()));
+  return absl::FailedPreconditionError(absl::StrCat(folder, ": cannot be read: ", error.message()));
 }
 
 }  // namespace

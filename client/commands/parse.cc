@@ -84,7 +84,8 @@ int RunCommandLine(int argc, const char* const* argv) {
       "in CAGEFIT_SERVER.\nExit codes: 0 done, 1 the work failed, 2 wrong usage, 3 no server, 4 "
       "partly done.");
   Run run;
-  AddFitCommand(&app, &run);
+  std::vector<std::string> words = {argv[0]};
+  AddFitCommand(&app, &words, &run);
   AddTemplateCommand(&app, &run);
   AddTokenCommand(&app, &run);
   AddRefineCommand(&app, &run);
@@ -96,6 +97,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   const CLI::App* command = Named(&app, arguments);
   try {
     AddVariables(*command, &arguments);
+    words.insert(words.end(), arguments.begin(), arguments.end());
     AddFile(*command, &arguments);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     app.parse(std::move(arguments));

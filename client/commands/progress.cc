@@ -22,7 +22,8 @@ Progress::~Progress() {
 
 void Progress::Show(size_t done, const std::string& text) {
   shown_ = true;
-  const std::string count = absl::StrCat("frame ", done, " of ", frames_, ": ", text);
+  const std::string of = frames_ == 0 ? "" : absl::StrCat(" of ", frames_);
+  const std::string count = absl::StrCat("frame ", done, of, ": ", text);
   if (!terminal_) {
     std::cerr << count << "\n";
     return;

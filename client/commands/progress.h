@@ -9,8 +9,8 @@ namespace cagefit::client {
 
 class Progress {
  public:
-  explicit Progress(size_t frames);
-  ~Progress();  // leaves the bar's line
+  explicit Progress(size_t frames);  // 0: it is not known how many
+  ~Progress();                       // leaves the bar's line
 
   // `done` frames are answered; `text` says how the last one went.
   void Show(size_t done, const std::string& text);

@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -8,6 +7,7 @@
 #include "client/commands/command.h"
 #include "client/commands/render_views.h"
 #include "client/io/camera_file.h"
+#include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
 #include "client/io/image_file.h"
 #include "client/io/picture.h"
@@ -42,11 +42,7 @@ absl::StatusOr<TriangleMesh> ReadSurface(const RenderArguments& arguments) {
 
 absl::Status MakeFolders(const std::string& out) {
   for (const char* kind : {"/silhouette", "/depth", "/normals"}) {
-    std::error_code error;
-    std::filesystem::create_directories(out + kind, error);
-    if (!error) continue;
-    return absl::FailedPreconditionError(
-        absl::StrCat(out, kind, ": cannot be made: ", error.message()));
+    RETURN_IF_ERROR(MakeFolder(out + kind));
   }
   return absl::OkStatus();
 }

@@ -8,6 +8,7 @@
 #include "client/commands/command.h"
 #include "client/commands/credential_flags.h"
 #include "client/commands/message_json.h"
+#include "client/commands/pull_frames.h"
 #include "client/fit_client.h"
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
@@ -18,7 +19,7 @@ namespace cagefit::client {
 namespace {
 
 struct SessionArguments {
-  std::string server = "127.0.0.1:50051", id, out;
+  std::string server = "127.0.0.1:50051", id, out, frames;
   ClientCredentials credentials;
   std::optional<uint64_t> frame;
   bool json = false, surface = false, start = false;
@@ -67,6 +68,7 @@ absl::Status PullSurface(FitClient* client, const SessionArguments& arguments) {
 }
 
 absl::Status Pull(FitClient* client, const SessionArguments& arguments) {
+  if (!arguments.frames.empty()) return PullFrames(client, arguments.id, arguments.frames);
   if (arguments.surface) return PullSurface(client, arguments);
   v1::GetControlMeshRequest request;
   request.set_session_id(arguments.id);
@@ -110,15 +112,30 @@ void AddSessionCommand(CLI::App* app, Run* run) {
   add("list", "List all sessions", &List)->add_flag("--json", arguments->json, "Print JSON");
   add_with_id("show", "Show a session and its options as JSON", &Show);
   add_with_id("delete", "Delete a session and what it stores", &Delete);
-  CLI::App* pull =
-      add_with_id("pull", "Write a session's control mesh, or its surface, to a file", &Pull);
-  pull->add_option("--out", arguments->out, "File to write")->required();
+  CLI::App* pull = add_with_id(
+      "pull",
+      "Write a session's control mesh, or its surface, to a file, or all of its frames to a "
+      "folder",
+      &Pull);
+  CLI::Option* out = pull->add_option("--out", arguments->out, "File to write");
+  CLI::Option* frames = pull->add_option("--frames", arguments->frames,
+                                         "Folder to write to: NNNN.obj of every fitted frame, by "
+                                         "its sequence number, and report.json")
+                            ->excludes(out);
   CLI::Option* frame =
-      pull->add_option("--frame", arguments->frame, "Sequence number; default: the latest");
+      pull->add_option("--frame", arguments->frame, "Sequence number; default: the latest")
+          ->excludes(frames);
   CLI::Option* start =
       pull->add_flag("--template", arguments->start, "The mesh that the session started from")
-          ->excludes(frame);
-  pull->add_flag("--surface", arguments->surface, "The refined limit surface")->excludes(start);
+          ->excludes(frame)
+          ->excludes(frames);
+  pull->add_flag("--surface", arguments->surface, "The refined limit surface")
+      ->excludes(start)
+      ->excludes(frames);
+  pull->final_callback([out, frames] {
+    if (*out || *frames) return;
+    throw CLI::RequiredError("--out FILE or --frames FOLDER");
+  });
   pull->add_option("--levels", arguments->levels, "Refinement levels of the surface")
       ->capture_default_str();
 }

@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -26,13 +25,6 @@ struct SynthArguments {
   RigOptions rig;
   int position_bits = 14;
 };
-
-absl::Status MakeFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (!error) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be made: ", error.message()));
-}
 
 absl::Status WriteFrame(const SynthArguments& arguments, const std::string& path,
                         const PointCloud& cloud) {

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
@@ -42,7 +43,7 @@ absl::Status TooLarge(const std::string& path, int64_t max_bytes) {
 }
 
 absl::Status Failed(const std::string& path, absl::string_view what) {
-  return absl::UnavailableError(absl::StrCat(path, ": ", what, ": ", std::strerror(errno)));
+  return absl::FailedPreconditionError(absl::StrCat(path, ": ", what, ": ", std::strerror(errno)));
 }
 
 absl::Status WriteAll(int descriptor, const std::string& path, absl::string_view bytes) {
@@ -93,6 +94,13 @@ absl::Status WriteFileBytes(const std::string& path, absl::string_view bytes) {
   }
   if (!status.ok()) unlink(beside.c_str());
   return status;
+}
+
+absl::Status MakeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (!error) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be made: ", error.message()));
 }
 
 }  // namespace cagefit::client

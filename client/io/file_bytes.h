@@ -1,4 +1,4 @@
-// Whole files in memory.
+// Whole files in memory, and folders for them.
 #ifndef CAGEFIT_CLIENT_IO_FILE_BYTES_H_
 #define CAGEFIT_CLIENT_IO_FILE_BYTES_H_
 
@@ -11,12 +11,16 @@
 
 namespace cagefit::client {
 
-// NOT_FOUND, INVALID_ARGUMENT for a folder, RESOURCE_EXHAUSTED above `max_bytes`, UNAVAILABLE when
-// it cannot be read; the message starts with the path.
+// NOT_FOUND, INVALID_ARGUMENT for a folder, RESOURCE_EXHAUSTED above `max_bytes`,
+// FAILED_PRECONDITION when it cannot be read; the message starts with the path.
 absl::StatusOr<std::string> ReadFileBytes(const std::string& path, int64_t max_bytes);
 
-// Whole or not at all: written beside and renamed. UNAVAILABLE, the message starting with the path.
+// Whole or not at all: written beside and renamed. FAILED_PRECONDITION, the message starting with
+// the path.
 absl::Status WriteFileBytes(const std::string& path, absl::string_view bytes);
+
+// With the folders above it; one that is there is fine. FAILED_PRECONDITION, as above.
+absl::Status MakeFolder(const std::string& path);
 
 }  // namespace cagefit::client
 

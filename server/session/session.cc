@@ -11,6 +11,7 @@
 #include "core/fit/normalization.h"
 #include "server/session/error_detail.h"
 #include "server/session/fail_point.h"
+#include "server/session/key_answer.h"
 
 namespace cagefit::server {
 namespace {
@@ -182,16 +183,11 @@ absl::StatusOr<FrameAnswer> Session::Skip(const SkippedFrame& frame, uint64_t ep
 absl::StatusOr<FrameAnswer> Session::Repeat(uint64_t sequence_number, const Digest& digest) {
   ASSIGN_OR_RETURN(std::shared_ptr<const StoredFrame> stored, ledger_->Find(sequence_number));
   if (stored->digest != digest) return OtherBytes(sequence_number);
-  if (stored->outcome != Outcome::kFitted || ledger_->config().quantum == 0) {
-    return FrameAnswer{std::move(stored), /*repeated=*/true};
-  }
   // Who asks again may not know the state before that frame, and does not know the latest one
   // afterwards: this answer and the next new one are key frames.
-  key_needed_ = true;
-  ASSIGN_OR_RETURN(const SurfaceState state, ledger_->StateOfFrame(sequence_number));
-  auto keyed = std::make_shared<StoredFrame>(*stored);
-  ASSIGN_OR_RETURN(keyed->delta, Encode(EncodeKey(state.q), stored->delta.grid,
-                                        ledger_->config().delta_encoding));
+  if (stored->outcome == Outcome::kFitted) key_needed_ = true;
+  ASSIGN_OR_RETURN(std::shared_ptr<const StoredFrame> keyed,
+                   KeyAnswer(*ledger_, std::move(stored)));
   return FrameAnswer{std::move(keyed), /*repeated=*/true};
 }
 

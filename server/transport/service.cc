@@ -14,6 +14,7 @@
 #include "server/transport/blob_writer.h"
 #include "server/transport/evaluate_loss_call.h"
 #include "server/transport/fit_frames_call.h"
+#include "server/transport/get_replies_call.h"
 #include "server/transport/loss_convert.h"
 #include "server/transport/session_convert.h"
 #include "server/transport/status_convert.h"
@@ -201,6 +202,11 @@ grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* FittingService::EvaluateL
 grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FittingService::FitFrames(
     grpc::CallbackServerContext* context) {
   return FitFramesCall::Start(&state_, context);
+}
+
+grpc::ServerWriteReactor<v1::FrameReply>* FittingService::GetReplies(
+    grpc::CallbackServerContext* context, const v1::GetRepliesRequest* request) {
+  return GetRepliesCall::Start(state_, context, request);
 }
 
 }  // namespace cagefit::server

@@ -35,6 +35,8 @@ class FittingService final : public v1::Fitting::CallbackService {
       grpc::CallbackServerContext* context) override;
   grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FitFrames(
       grpc::CallbackServerContext* context) override;
+  grpc::ServerWriteReactor<v1::FrameReply>* GetReplies(
+      grpc::CallbackServerContext* context, const v1::GetRepliesRequest* request) override;
 
  private:
   const ServiceState state_;

@@ -90,6 +90,7 @@ const std::map<std::string, MethodCase>& Cases() {
       {"DeleteSession", {WithId<v1::DeleteSessionRequest>}},
       {"GetControlMesh", {WithId<v1::GetControlMeshRequest>}},
       {"GetSurface", {WithId<v1::GetSurfaceRequest>}},
+      {"GetReplies", {WithId<v1::GetRepliesRequest>}},
       {"GetStencils", {WithId<v1::GetStencilsRequest>}},
       {"EvaluateLoss", {Loss, true, grpc::StatusCode::FAILED_PRECONDITION, "NO_FRAME_YET"}},
       {"FitFrames", {Open}}};

@@ -29,6 +29,17 @@ TEST(FileBytesTest, ErrorsNameThePath) {
   EXPECT_THAT(std::string(written.message()), StartsWith("/nowhere/x.ply: cannot be written"));
 }
 
+TEST(FileBytesTest, MakesAFolderWithThoseAboveIt) {
+  const std::string folder = TempFile("file_bytes_made");
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(MakeFolder(folder + "/a/b"), absl::OkStatus());
+  EXPECT_EQ(MakeFolder(folder + "/a/b"), absl::OkStatus()) << "it is there already";
+  EXPECT_TRUE(std::filesystem::is_directory(folder + "/a/b"));
+  ASSERT_TRUE(WriteFileBytes(folder + "/file", "x").ok());
+  EXPECT_THAT(std::string(MakeFolder(folder + "/file/c").message()),
+              StartsWith(folder + "/file/c: cannot be made"));
+}
+
 TEST(FileBytesTest, RefusesAFileAboveTheLimit) {
   const std::string path = TempFile("file_bytes_large.bin");
   ASSERT_TRUE(WriteFileBytes(path, "123456").ok());
