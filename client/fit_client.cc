@@ -13,6 +13,7 @@
 #include "client/mesh_from_proto.h"
 #include "client/status_from_grpc.h"
 #include "core/base/status.h"
+#include "grpc/health/v1/health.grpc.pb.h"
 
 namespace cagefit::client {
 namespace {
@@ -208,6 +209,17 @@ absl::Status FitClient::GetReplies(const v1::GetRepliesRequest& request,
   }
   const absl::Status ended = FromGrpc(reader->Finish(), context);
   return status.ok() ? ended : status;
+}
+
+absl::StatusOr<bool> FitClient::IsServing(const std::string& service, absl::Duration timeout) {
+  grpc::ClientContext context;
+  context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
+  grpc::health::v1::HealthCheckRequest request;
+  grpc::health::v1::HealthCheckResponse response;
+  request.set_service(service);
+  const auto stub = grpc::health::v1::Health::NewStub(connection_->channel);
+  RETURN_IF_ERROR(FromGrpc(stub->Check(&context, request, &response), context));
+  return response.status() == grpc::health::v1::HealthCheckResponse::SERVING;
 }
 
 }  // namespace cagefit::client

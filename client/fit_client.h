@@ -116,6 +116,10 @@ class FitClient {
   absl::Status GetReplies(const v1::GetRepliesRequest& request,
                           const std::function<absl::Status(FittedFrame)>& take);
 
+  // Whether the server says that it serves: "" for its process, "cagefit.v1.Fitting" for being
+  // ready. NOT_FOUND for a service that it does not know.
+  absl::StatusOr<bool> IsServing(const std::string& service, absl::Duration timeout);
+
  private:
   struct Connection;
   explicit FitClient(std::unique_ptr<Connection> connection);

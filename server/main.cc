@@ -1,4 +1,5 @@
 // cagefitd: serves until SIGTERM or SIGINT, then drains; a second signal ends it at once.
+#include <errno.h>
 #include <semaphore.h>
 #include <signal.h>
 
@@ -9,6 +10,7 @@
 #include <memory>
 #include <thread>
 
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "server/log.h"
 #include "server/server.h"
@@ -41,10 +43,28 @@ int WaitForSignal() {
   return last_signal;
 }
 
+// What cannot be cancelled, such as a solver's step on a large mesh, gets this much after the
+// drain.
+constexpr absl::Duration kGrace = absl::Milliseconds(700);
+
+// Ends the process at a second signal, or when it has not ended by itself after `drain`.
+void EndAnyway(absl::Duration drain, const std::shared_ptr<spdlog::logger>& log) {
+  std::thread([log, end = absl::ToTimespec(absl::Now() + drain + kGrace)] {
+    int waited = 0;
+    do {
+      waited = sem_timedwait(&signals_seen, &end);
+    } while (waited != 0 && errno == EINTR);
+    log->warn(waited == 0 ? "ended cause=signal" : "ended cause=deadline");
+    absl::SleepFor(absl::Milliseconds(20));  // for that line, if standard error takes it
+    std::_Exit(EXIT_FAILURE);
+  }).detach();
+}
+
 int Run(const ServerOptions& options) {
   HandleEndSignals();
   signal(SIGPIPE, SIG_IGN);
-  const std::shared_ptr<spdlog::logger> log = ConsoleLog(options.log_level);
+  const ConsoleLog console(options.log_level, options.log_format);
+  const std::shared_ptr<spdlog::logger> log = console.logger();
   auto server = Server::Start(options, log);
   if (!server.ok()) {
     std::cerr << "cagefitd: " << server.status().message() << "\n";
@@ -54,14 +74,22 @@ int Run(const ServerOptions& options) {
   for (const std::string& address : (*server)->addresses()) {
     std::cout << "listening on " << address << std::endl;
   }
+  for (const std::string& address : (*server)->health_addresses()) {
+    std::cout << "health on " << address << std::endl;
+  }
+  if (const auto address = (*server)->metrics_address()) {
+    std::cout << "metrics on " << *address << std::endl;
+  }
   log->info("serving");
   const int first = WaitForSignal();
-  log->info("draining signal={} seconds={}", strsignal(first), options.drain_seconds);
-  std::thread([] {
-    WaitForSignal();
-    std::_Exit(EXIT_FAILURE);
-  }).detach();
-  (*server)->Shutdown(absl::Seconds(options.drain_seconds));
+  const absl::Duration delay = absl::Seconds(options.drain_delay);
+  const absl::Duration drain = absl::Seconds(options.drain_seconds);
+  log->info("draining signal={} delay={} seconds={}", strsignal(first), options.drain_delay,
+            options.drain_seconds);
+  EndAnyway(delay + drain, log);
+  (*server)->StopBeingReady();
+  absl::SleepFor(delay);
+  (*server)->Shutdown(drain);
   server->reset();
   log->info("ended");
   return EXIT_SUCCESS;

@@ -5,6 +5,7 @@
 #include <spdlog/logger.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,17 @@ class Server {
   // As given, with the ports that were bound.
   const std::vector<std::string>& addresses() const;
 
-  // Health turns to not serving, streams answer the frames in work and end with UNAVAILABLE, and
+  // Of health alone; empty unless ServerOptions::health_listen is set.
+  const std::vector<std::string>& health_addresses() const;
+
+  // HOST:PORT of the metrics, where ServerOptions::metrics_listen asks for them.
+  std::optional<std::string> metrics_address() const;
+
+  // Health says not ready from now on, and all else goes on: load balancers look elsewhere before
+  // anything ends.
+  void StopBeingReady();
+
+  // As StopBeingReady; then streams answer the frames in work and end with UNAVAILABLE, and
   // what is left after `drain` is cancelled. Returns when nothing runs any more.
   void Shutdown(absl::Duration drain);
 

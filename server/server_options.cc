@@ -1,28 +1,23 @@
 #include "server/server_options.h"
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
-#include <set>
-#include <utility>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
-#include "absl/strings/str_split.h"
 #include "core/base/status.h"
+#include "server/server_options_print.h"
+#include "server/server_options_sources.h"
+#include "server/server_options_suggestion.h"
 
 namespace cagefit::server {
 namespace {
 
-constexpr char kVariablePrefix[] = "CAGEFITD_";
 constexpr int kWrongUsage = 2;
 
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
@@ -52,8 +47,9 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
   auto app = std::make_unique<CLI::App>(
       "Fits subdivision surfaces to streams of point clouds: the Cagefit server.", "cagefitd");
   app->set_version_flag("--version", "cagefitd " CAGEFIT_VERSION);
-  app->set_config("--config", "", "File of settings, one name=value a line");
-  app->allow_config_extras(CLI::config_extras_mode::error);
+  app->add_option_function<std::string>(
+      "--config", [](const std::string&) {}, "File of settings, one name=value a line");
+  app->add_flag("--print-config", "Print the settings in force, as --config reads them, and end");
   app->footer(
       "Every option is also read from CAGEFITD_NAME, as in CAGEFITD_MAX_POINTS (lists separated by "
       "commas).\nA flag counts more than a variable, a variable more than the file.");
@@ -88,6 +84,15 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
   app->add_option("--fits", o->fits, "Concurrent fits; 0: half the threads")->capture_default_str();
   app->add_option("--drain-seconds", o->drain_seconds, "For frames in work on SIGTERM")
       ->capture_default_str();
+  app->add_option("--drain-delay", o->drain_delay,
+                  "Seconds from not being ready to that, for load balancers to notice")
+      ->capture_default_str();
+  app->add_option("--health-listen", o->health_listen,
+                  "Address of health alone, without TLS, as probes need it; default: none");
+  app->add_option("--metrics-listen", o->metrics_listen,
+                  "HOST:PORT of metrics for Prometheus, at /metrics; default: none");
+  app->add_option("--log-format", o->log_format, "Lines of the log: text, json")
+      ->capture_default_str();
   app->add_option("--log-level", o->log_level, "trace, debug, info, warning, error, off")
       ->capture_default_str();
   app->add_option("--tls-cert", o->tls_cert, "Certificates of the TCP addresses, PEM file");
@@ -99,61 +104,35 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
   return app;
 }
 
-// Variables of ours that are set, as the flags that they stand for; `given` are left out. Returns
-// the name of one that no option has.
-std::optional<std::string> AddVariables(const CLI::App& app, const std::set<std::string>& given,
-                                        std::vector<std::string>* arguments) {
-  for (char** entry = environ; *entry != nullptr; ++entry) {
-    if (!absl::StartsWith(*entry, kVariablePrefix)) continue;
-    const std::pair<std::string, std::string> variable =
-        absl::StrSplit(*entry, absl::MaxSplits('=', 1));
-    const std::string flag =
-        "--" + absl::StrReplaceAll(
-                   absl::AsciiStrToLower(variable.first.substr(sizeof(kVariablePrefix) - 1)),
-                   {{"_", "-"}});
-    const CLI::Option* option = app.get_option_no_throw(flag);
-    if (option == nullptr || flag == "--help" || flag == "--version") return variable.first;
-    if (given.count(flag) > 0) continue;
-    const bool list = option->get_items_expected_max() > 1;
-    for (absl::string_view value :
-         absl::StrSplit(variable.second, absl::MaxSplits(',', list ? 1000 : 0))) {
-      arguments->push_back(absl::StrCat(flag, "=", value));
-    }
-  }
-  return std::nullopt;
-}
-
-std::string Suggestion(const CLI::App& app, const std::string& variable) {
-  // The one that shares the longest beginning.
-  std::string best;
-  size_t longest = sizeof(kVariablePrefix) - 1;
+// The first argument that looks like an option and is none.
+absl::Status UnknownOption(const CLI::App& app, const std::vector<std::string>& arguments) {
+  std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
-    const std::string name = kVariablePrefix + absl::AsciiStrToUpper(absl::StrReplaceAll(
-                                                   option->get_single_name(), {{"-", "_"}}));
-    const size_t common = static_cast<size_t>(
-        std::mismatch(name.begin(), name.end(), variable.begin(), variable.end()).first -
-        name.begin());
-    if (common > longest) {
-      longest = common;
-      best = name;
-    }
+    names.push_back("--" + option->get_single_name());
   }
-  return best.empty() ? "" : absl::StrCat("; did you mean ", best, "?");
-}
-
-// CLI11 takes its arguments from the back.
-void Parse(CLI::App& app, std::vector<std::string> arguments) {
-  std::reverse(arguments.begin(), arguments.end());
-  app.parse(std::move(arguments));
-}
-
-// The long names of options on the command line.
-std::set<std::string> GivenFlags(const std::vector<std::string>& arguments) {
-  std::set<std::string> given;
   for (const std::string& argument : arguments) {
-    given.insert(argument.substr(0, argument.find('=')));
+    const std::string name = argument.substr(0, argument.find('='));
+    if (!absl::StartsWith(name, "-") || app.get_option_no_throw(name) != nullptr) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("no option is called ", name, Suggestion(name, names)));
   }
-  return given;
+  return absl::OkStatus();
+}
+
+// `exit_code` is set after --help and --version.
+absl::Status Parse(CLI::App& app, const CommandLine& line, std::optional<int>* exit_code) {
+  try {
+    // CLI11 takes its arguments from the back.
+    app.parse(std::vector<std::string>(line.arguments.rbegin(), line.arguments.rend()));
+  } catch (const CLI::Success& success) {
+    *exit_code = app.exit(success);
+  } catch (const CLI::ExtrasError& error) {
+    RETURN_IF_ERROR(UnknownOption(app, line.arguments));
+    return absl::InvalidArgumentError(error.what());
+  } catch (const CLI::ParseError& error) {
+    return absl::InvalidArgumentError(error.what());
+  }
+  return absl::OkStatus();
 }
 
 int Fail(const std::string& message) {
@@ -183,6 +162,11 @@ absl::Status ServerOptions::Validate() const {
   RETURN_IF_ERROR(CheckRange("threads", threads, 0, 1024));
   RETURN_IF_ERROR(CheckRange("fits", fits, 0, 1024));
   RETURN_IF_ERROR(CheckRange("drain-seconds", drain_seconds, 0, 3600));
+  RETURN_IF_ERROR(CheckRange("drain-delay", drain_delay, 0, 3600));
+  if (log_format != "text" && log_format != "json") {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--log-format is ", log_format, "; expected text or json"));
+  }
   if (std::find(kLogLevels.begin(), kLogLevels.end(), log_level) == kLogLevels.end()) {
     return absl::InvalidArgumentError(
         absl::StrCat("--log-level is ", log_level, "; expected ", absl::StrJoin(kLogLevels, ", ")));
@@ -209,25 +193,17 @@ std::string DefaultStore() {
 ParsedServerOptions ParseServerOptions(int argc, const char* const* argv) {
   ParsedServerOptions parsed;
   const std::unique_ptr<CLI::App> app = MakeApp(&parsed.options);
-  std::vector<std::string> arguments(argv + 1, argv + argc);
-  // CLI11 itself would let a file overrule a variable, so variables go in as flags.
-  const std::optional<std::string> unknown = AddVariables(*app, GivenFlags(arguments), &arguments);
-  if (unknown.has_value()) {
-    parsed.exit_code =
-        Fail(absl::StrCat("no setting is called ", *unknown, Suggestion(*app, *unknown)));
-    return parsed;
+  CommandLine line({argv + 1, argv + argc});
+  absl::Status status = AddEnvironment(*app, &line);
+  if (status.ok()) status = AddFile(*app, &line);
+  if (status.ok()) status = Parse(*app, line, &parsed.exit_code);
+  if (status.ok() && !parsed.exit_code.has_value()) status = parsed.options.Validate();
+  if (!status.ok()) {
+    parsed.exit_code = Fail(std::string(status.message()));
+  } else if (!parsed.exit_code.has_value() && app->count("--print-config") > 0) {
+    std::cout << SettingsText(*app, line);
+    parsed.exit_code = EXIT_SUCCESS;
   }
-  try {
-    Parse(*app, std::move(arguments));
-  } catch (const CLI::Success& success) {
-    parsed.exit_code = app->exit(success);
-    return parsed;
-  } catch (const CLI::ParseError& error) {
-    parsed.exit_code = Fail(error.what());
-    return parsed;
-  }
-  const absl::Status valid = parsed.options.Validate();
-  if (!valid.ok()) parsed.exit_code = Fail(std::string(valid.message()));
   return parsed;
 }
 

@@ -38,8 +38,12 @@ struct ServerOptions {
   int64_t threads = 0;  // of all fits together; 0 to 1,024
   int64_t fits = 0;     // concurrent ones; 0 to 1,024
 
-  double drain_seconds = 20;       // for frames in work when the server is told to end; 0 to 3,600
-  std::string log_level = "info";  // trace, debug, info, warning, error, off
+  double drain_seconds = 20;   // for frames in work when the server is told to end; 0 to 3,600
+  double drain_delay = 0;      // seconds between not being ready and that; 0 to 3,600
+  std::string health_listen;   // as `listen`, for health alone, never encrypted; empty: nowhere
+  std::string metrics_listen;  // HOST:PORT of metrics for Prometheus; empty: nowhere
+  std::string log_format = "text";  // text, json
+  std::string log_level = "info";   // trace, debug, info, warning, error, off
 
   // Who is let in. Files in PEM format and, of tokens, as in session/token_table.h; all of them are
   // read again when they change.
@@ -61,7 +65,8 @@ struct ParsedServerOptions {
   std::optional<int> exit_code;  // set when there is nothing to run: --help, --version, or an error
 };
 
-// Flags over environment over file over default. Prints help to stdout and errors to stderr.
+// Flags over environment over file over default. Prints help, and what --print-config asks for, to
+// stdout and errors to stderr.
 ParsedServerOptions ParseServerOptions(int argc, const char* const* argv);
 
 }  // namespace cagefit::server

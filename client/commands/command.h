@@ -25,6 +25,7 @@ using Run = std::function<int()>;
 void AddEvaluateCommand(CLI::App* app, Run* run);
 // `words`: the command line with what came from variables, once it is read; it outlives the run.
 void AddFitCommand(CLI::App* app, const std::vector<std::string>* words, Run* run);
+void AddHealthCommand(CLI::App* app, Run* run);
 void AddRefineCommand(CLI::App* app, Run* run);
 void AddRenderCommand(CLI::App* app, Run* run);
 void AddSessionCommand(CLI::App* app, Run* run);

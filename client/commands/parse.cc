@@ -93,6 +93,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddEvaluateCommand(&app, &run);
   AddSessionCommand(&app, &run);
   AddSynthCommand(&app, &run);
+  AddHealthCommand(&app, &run);
   std::vector<std::string> arguments(argv + 1, argv + argc);
   const CLI::App* command = Named(&app, arguments);
   try {

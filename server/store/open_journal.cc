@@ -11,7 +11,8 @@
 namespace cagefit::server {
 
 absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const std::string& name,
-                                                     const RecordCodec* codec) {
+                                                     const RecordCodec* codec,
+                                                     LatencyHistogram* commits) {
   if (name == "memory") return std::make_unique<MemoryJournal>();
   absl::string_view path = name;
   if (!absl::ConsumePrefix(&path, "sqlite:") || path.empty()) {
@@ -26,7 +27,7 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const std::string& name,
         absl::StrCat("cannot make the folder of the session store, ", file.parent_path().string(),
                      ": ", error.message(), "; name another with --store, or --store memory"));
   }
-  return SqliteJournal::Open(std::string(path), codec);
+  return SqliteJournal::Open(std::string(path), codec, commits);
 }
 
 }  // namespace cagefit::server

@@ -7,15 +7,18 @@
 
 #include "absl/status/statusor.h"
 #include "server/session/journal.h"
+#include "server/session/metrics.h"
 #include "server/session/record_codec.h"
 
 namespace cagefit::server {
 
-// "memory", or "sqlite:PATH", whose folder is made where it is missing. `codec` must outlive the
-// journal. INVALID_ARGUMENT for another name; FAILED_PRECONDITION naming the path when that cannot
-// be a store of this version (SqliteJournal::Open).
+// "memory", or "sqlite:PATH", whose folder is made where it is missing. `codec`, and `commits`,
+// which may be null and is told how long commits of answers take, must outlive the journal.
+// INVALID_ARGUMENT for another name; FAILED_PRECONDITION naming the path when that cannot be a
+// store of this version (SqliteJournal::Open).
 absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const std::string& name,
-                                                     const RecordCodec* codec);
+                                                     const RecordCodec* codec,
+                                                     LatencyHistogram* commits = nullptr);
 
 }  // namespace cagefit::server
 

@@ -21,14 +21,15 @@ constexpr int64_t kSmallProbeBytes = 16, kLargeProbeBytes = 1 << 20;
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SqliteJournal>> SqliteJournal::Open(const std::string& path,
-                                                                   const RecordCodec* codec) {
+                                                                   const RecordCodec* codec,
+                                                                   LatencyHistogram* commits) {
   std::error_code error;
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
     return absl::FailedPreconditionError(
         absl::StrCat("the folder of the session store is missing: ", folder.string()));
   }
-  std::unique_ptr<SqliteJournal> journal(new SqliteJournal(path, codec));
+  std::unique_ptr<SqliteJournal> journal(new SqliteJournal(path, codec, commits));
   std::lock_guard<std::mutex> lock(journal->mutex_);
   const absl::Status connected = journal->Connect();
   if (absl::IsFailedPrecondition(connected)) {
@@ -146,7 +147,9 @@ absl::Status SqliteJournal::Append(const std::string& id, uint64_t epoch,
                      AdvanceSession(database, id, epoch, *frame, made_template, mesh));
     RETURN_IF_ERROR(InsertFrame(database, session, OutlineOf(*frame), record));
     CAGEFIT_FAIL_POINT("store.before_commit", frame->sequence_number);
+    const absl::Time start = absl::Now();
     RETURN_IF_ERROR(transaction.Commit());
+    if (commits_ != nullptr) commits_->Observe(absl::ToDoubleSeconds(absl::Now() - start));
     CAGEFIT_FAIL_POINT("store.after_commit", frame->sequence_number);
     return absl::OkStatus();
   });

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/session/journal.h"
+#include "server/session/metrics.h"
 #include "server/session/record_codec.h"
 #include "server/store/sqlite.h"
 
@@ -20,11 +21,13 @@ class SqliteJournal final : public Journal {
  public:
   static constexpr absl::Duration kRetryInterval = absl::Milliseconds(200);
 
-  // `codec` must outlive the journal. A file that cannot be used for now is no error here: Probe
+  // `codec`, and `commits`, which may be null and is told how long commits of answers take, must
+  // outlive the journal. A file that cannot be used for now is no error here: Probe
   // says so, and whether it can be later. FAILED_PRECONDITION when its folder is missing, when it
   // is another program's database, or a store of a later version.
   static absl::StatusOr<std::unique_ptr<SqliteJournal>> Open(const std::string& path,
-                                                             const RecordCodec* codec);
+                                                             const RecordCodec* codec,
+                                                             LatencyHistogram* commits = nullptr);
 
   absl::Status Create(const SessionRecord& record) override;
   absl::StatusOr<SessionRecord> Load(const std::string& id) override;
@@ -50,8 +53,8 @@ class SqliteJournal final : public Journal {
   bool is_durable() const override { return true; }
 
  private:
-  SqliteJournal(std::string path, const RecordCodec* codec)
-      : path_(std::move(path)), codec_(codec) {}
+  SqliteJournal(std::string path, const RecordCodec* codec, LatencyHistogram* commits)
+      : path_(std::move(path)), codec_(codec), commits_(commits) {}
 
   // What `work` says, with the connection, one caller at a time. Closes it after an error of the
   // store's.
@@ -64,6 +67,7 @@ class SqliteJournal final : public Journal {
 
   const std::string path_;
   const RecordCodec* const codec_;
+  LatencyHistogram* const commits_;  // may be null
 
   std::mutex mutex_;
   std::unique_ptr<Database> database_;  // null: away

@@ -13,20 +13,22 @@ constexpr int64_t kMaxBlobBytes = 64 << 20;
 }  // namespace
 
 BlobReader* BlobReader::Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                              TakeFn take) {
-  auto* reader = new BlobReader(state, context, std::move(take));
+                              const char* method, TakeFn take) {
+  auto* reader = new BlobReader(state, context, method, std::move(take));
   const absl::Status entered = reader->Enter();
   if (entered.ok()) {
     reader->StartRead(&reader->chunk_);
   } else {
-    reader->Finish(ToGrpc(entered, context));
+    reader->Finish(reader->record_.End(entered));
   }
   return reader;
 }
 
-BlobReader::BlobReader(const ServiceState& state, grpc::CallbackServerContext* context, TakeFn take)
+BlobReader::BlobReader(const ServiceState& state, grpc::CallbackServerContext* context,
+                       const char* method, TakeFn take)
     : state_(state),
       context_(context),
+      record_(state, context, method),
       take_(std::move(take)),
       blob_(kMaxBlobBytes, state.budget) {}
 
@@ -39,19 +41,19 @@ void BlobReader::OnReadDone(bool ok) {
   if (!ok) return End();
   sessions_->Receive(static_cast<int64_t>(chunk_.ByteSizeLong()));
   const absl::Status added = blob_.Add(chunk_.total_bytes(), chunk_.data());
-  if (!added.ok()) return Finish(ToGrpc(added, context_));
+  if (!added.ok()) return Finish(record_.End(added));
   StartRead(&chunk_);
 }
 
 void BlobReader::End() {
   const absl::Status complete = blob_.CheckComplete();
-  if (!complete.ok()) return Finish(ToGrpc(complete, context_));
+  if (!complete.ok()) return Finish(record_.End(complete));
   const absl::Status queued = state_.scheduler->queries.Run(context_->peer(), [this] {
     const absl::Status taken =
         context_->IsCancelled() ? CancelledCall(*context_) : take_(*sessions_, blob_.bytes());
-    Finish(ToGrpc(taken, context_));
+    Finish(record_.End(taken));
   });
-  if (!queued.ok()) Finish(ToGrpc(queued, context_));
+  if (!queued.ok()) Finish(record_.End(queued));
 }
 
 }  // namespace cagefit::server

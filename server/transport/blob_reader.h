@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "cagefit/v1/fitting.pb.h"
+#include "server/transport/call_record.h"
 #include "server/transport/incoming_blob.h"
 #include "server/transport/service_state.h"
 
@@ -22,18 +23,20 @@ class BlobReader : public grpc::ServerReadReactor<v1::CreateSessionChunk> {
 
   // `take` gets the whole and runs in the scheduler's pool for requests.
   static BlobReader* Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                           TakeFn take);
+                           const char* method, TakeFn take);
 
   void OnReadDone(bool ok) override;
   void OnDone() override { delete this; }
 
  private:
-  BlobReader(const ServiceState& state, grpc::CallbackServerContext* context, TakeFn take);
+  BlobReader(const ServiceState& state, grpc::CallbackServerContext* context, const char* method,
+             TakeFn take);
   absl::Status Enter();
   void End();
 
   const ServiceState& state_;
   grpc::CallbackServerContext* const context_;
+  CallRecord record_;
   const TakeFn take_;
   std::optional<PrincipalSessions> sessions_;
   v1::CreateSessionChunk chunk_;

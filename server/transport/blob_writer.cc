@@ -7,8 +7,8 @@
 namespace cagefit::server {
 
 BlobWriter* BlobWriter::Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                              MakeFn make) {
-  auto* writer = new BlobWriter(state, context);
+                              const char* method, MakeFn make) {
+  auto* writer = new BlobWriter(state, context, method);
   const absl::StatusOr<PrincipalSessions> sessions = state.auth->Enter(*context);
   if (!sessions.ok()) {
     writer->Begin(sessions.status());
@@ -25,13 +25,13 @@ BlobWriter* BlobWriter::Start(const ServiceState& state, grpc::CallbackServerCon
 
 void BlobWriter::Begin(absl::StatusOr<std::string> blob) {
   const absl::Status taken = blob.ok() ? blob_.Set(*std::move(blob)) : blob.status();
-  if (!taken.ok()) return Finish(ToGrpc(taken, context_));
+  if (!taken.ok()) return Finish(record_.End(taken));
   StartWrite(blob_.Next());
 }
 
 void BlobWriter::OnWriteDone(bool ok) {
-  if (!ok) return Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
-  if (blob_.is_sent()) return Finish(grpc::Status::OK);
+  if (!ok) return Finish(record_.End(absl::CancelledError("the client is gone")));
+  if (blob_.is_sent()) return Finish(record_.End(absl::OkStatus()));
   StartWrite(blob_.Next());
 }
 

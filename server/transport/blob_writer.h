@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "cagefit/v1/fitting.pb.h"
+#include "server/transport/call_record.h"
 #include "server/transport/outgoing_blob.h"
 #include "server/transport/service_state.h"
 
@@ -21,17 +22,18 @@ class BlobWriter : public grpc::ServerWriteReactor<v1::DataChunk> {
 
   // `make` runs in the scheduler's pool for requests.
   static BlobWriter* Start(const ServiceState& state, grpc::CallbackServerContext* context,
-                           MakeFn make);
+                           const char* method, MakeFn make);
 
   void OnWriteDone(bool ok) override;
   void OnDone() override { delete this; }
 
  private:
-  BlobWriter(const ServiceState& state, grpc::CallbackServerContext* context)
-      : context_(context), blob_(state.budget) {}
+  BlobWriter(const ServiceState& state, grpc::CallbackServerContext* context, const char* method)
+      : context_(context), record_(state, context, method), blob_(state.budget) {}
   void Begin(absl::StatusOr<std::string> blob);
 
   grpc::CallbackServerContext* const context_;
+  CallRecord record_;
   OutgoingBlob blob_;
 };
 

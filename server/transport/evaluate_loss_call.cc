@@ -6,8 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
-#include "server/transport/frame_assembler.h"
 #include "server/transport/status_convert.h"
+#include "server/transport/frame_assembler.h"
 
 namespace cagefit::server {
 namespace {
@@ -35,6 +35,7 @@ EvaluateLossCall* EvaluateLossCall::Start(const ServiceState& state,
 EvaluateLossCall::EvaluateLossCall(const ServiceState& state, grpc::CallbackServerContext* context)
     : state_(state),
       context_(context),
+      record_(state, context, "EvaluateLoss"),
       request_(MaxRequestBytes(state.auth->session_limits()), state.budget),
       decoded_(state.budget),
       reply_(state.budget) {}
@@ -45,7 +46,7 @@ absl::Status EvaluateLossCall::Enter() {
 }
 
 void EvaluateLossCall::End(const absl::Status& status) {
-  Finish(ToGrpc(absl::IsCancelled(status) ? CancelledCall(*context_) : status, context_));
+  Finish(record_.End(absl::IsCancelled(status) ? CancelledCall(*context_) : status));
 }
 
 void EvaluateLossCall::OnReadDone(bool ok) {

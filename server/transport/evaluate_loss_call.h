@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "cagefit/v1/fitting.pb.h"
+#include "server/transport/call_record.h"
 #include "server/transport/incoming_blob.h"
 #include "server/transport/loss_convert.h"
 #include "server/transport/outgoing_blob.h"
@@ -39,6 +40,7 @@ class EvaluateLossCall : public grpc::ServerBidiReactor<v1::DataChunk, v1::DataC
   const ServiceState& state_;
   grpc::CallbackServerContext* const context_;
   std::optional<PrincipalSessions> sessions_;
+  CallRecord record_;
   v1::DataChunk chunk_;
   IncomingBlob request_;
   LossQuery query_;

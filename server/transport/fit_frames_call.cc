@@ -38,6 +38,7 @@ FitFramesCall::FitFramesCall(const ServiceState* state, grpc::CallbackServerCont
     : state_(state),
       sessions_(state->auth->Enter(*context)),
       context_(context),
+      record_(*state, context, "FitFrames"),
       deadline_(absl::FromChrono(context->deadline())),
       key_(absl::StrCat(reinterpret_cast<uintptr_t>(this))),
       assembler_(state->auth->session_limits().max_frame_bytes, state->budget) {}
@@ -100,6 +101,7 @@ void FitFramesCall::Open(const std::string& session_id) {
   if (!opened.ok()) return EndNow(opened.status());
   ledger_ = std::move(opened->ledger);
   epoch_ = opened->opening.epoch;
+  record_.SetSession(session_id);
   if (end_.has_value()) return MoveOn();  // overtaken or gone meanwhile
   Outgoing outgoing;
   v1::StreamOpened* message = outgoing.message.mutable_opened();
@@ -208,7 +210,8 @@ absl::StatusOr<FrameAnswer> FitFramesCall::Skip(const SkippedFrame& frame) {
 }
 
 void FitFramesCall::SendAnswer(const FrameAnswer& answer) {
-  LogFrame(*state_->log, ledger_->id(), answer);
+  LogFrame(*state_->log, ledger_->id(), record_.trace_id(), answer);
+  state_->metrics->CountFrame(answer);
   Outgoing outgoing;
   *outgoing.message.mutable_frame() = ToProto(answer, *ledger_);
   outgoing.answers_frame = true;
@@ -299,15 +302,12 @@ void FitFramesCall::MoveOn() {
   finished_ = true;
   abandoned_ = true;
   end_ = NamingDeadline(*end_, deadline_);
-  Finish(ToGrpc(*end_, context_));
+  Finish(record_.End(*end_));
 }
 
 void FitFramesCall::OnDone() {
   state_->streams->Remove(this);
-  if (ledger_ != nullptr) {
-    ledger_->CloseStream(epoch_);
-    LogStreamEnd(*state_->log, ledger_->id(), epoch_, *end_);
-  }
+  if (ledger_ != nullptr) ledger_->CloseStream(epoch_);
   const std::shared_ptr<FitFramesCall> last = std::move(self_);
 }
 

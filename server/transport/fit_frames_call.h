@@ -18,6 +18,7 @@
 #include <string>
 
 #include "cagefit/v1/fitting.grpc.pb.h"
+#include "server/transport/call_record.h"
 #include "server/transport/frame_assembler.h"
 #include "server/transport/latest_frames.h"
 #include "server/transport/service_state.h"
@@ -76,6 +77,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   const ServiceState* const state_;
   const absl::StatusOr<PrincipalSessions> sessions_;  // OK in all but the first moment
   grpc::CallbackServerContext* const context_;
+  CallRecord record_;
   const absl::Time deadline_;
   const std::string key_;                // in the pool for decodes
   std::shared_ptr<FitFramesCall> self_;  // until OnDone

@@ -1,6 +1,6 @@
 #include "server/transport/frame_log.h"
 
-#include "absl/strings/escaping.h"
+#include "server/transport/log_event.h"
 
 namespace cagefit::server {
 namespace {
@@ -17,42 +17,58 @@ const char* Name(Verdict verdict) {
   return "unknown";
 }
 
-// Messages may carry what a client sent: no line breaks get into the log.
-std::string Quoted(absl::string_view text) { return '"' + absl::CEscape(text) + '"'; }
+void AddRejected(const StoredFrame& frame, LogEvent* event) {
+  event->Add("code", absl::StatusCodeToString(frame.error.code()))
+      .Add("error", frame.error.message())
+      .AddNumber("queue_ms", frame.ms.queue)
+      .AddNumber("decode_ms", frame.ms.decode);
+}
+
+void AddFitted(const StoredFrame& frame, LogEvent* event) {
+  event->AddInteger("iterations", frame.fit.iterations)
+      .AddNumber("rms", frame.distances.rms)
+      .AddNumber("rms_percent", frame.rms_percent)
+      .Add("verdict", Name(frame.verdict))
+      .AddNumber("queue_ms", frame.ms.queue)
+      .AddNumber("decode_ms", frame.ms.decode)
+      .AddNumber("template_ms", frame.ms.template_making)
+      .AddNumber("index_ms", frame.ms.index)
+      .AddNumber("solve_ms", frame.ms.solve)
+      .AddNumber("measure_ms", frame.ms.measure)
+      .AddNumber("encode_ms", frame.ms.encode);
+}
+
+const char* OutcomeOf(const FrameAnswer& answer) {
+  if (answer.repeated) return "repeated";
+  switch (answer.frame->outcome) {
+    case Outcome::kFitted:
+      return "fitted";
+    case Outcome::kRejected:
+      return "rejected";
+    case Outcome::kSkipped:
+      break;
+  }
+  return "skipped";
+}
 
 }  // namespace
 
-void LogFrame(spdlog::logger& log, const std::string& session_id, const FrameAnswer& answer) {
+void LogFrame(spdlog::logger& log, const std::string& session_id, const std::string& trace_id,
+              const FrameAnswer& answer) {
   const StoredFrame& frame = *answer.frame;
-  if (answer.repeated) {
-    log.info("frame session={} frame={} outcome=repeated", session_id, frame.sequence_number);
-    return;
+  const bool rejected = !answer.repeated && frame.outcome == Outcome::kRejected;
+  const auto level = rejected ? spdlog::level::warn : spdlog::level::info;
+  if (!log.should_log(level)) return;
+  LogEvent event("frame");
+  event.Add("session", session_id)
+      .AddInteger("frame", frame.sequence_number)
+      .Add("trace_id", trace_id)
+      .Add("outcome", OutcomeOf(answer));
+  if (!answer.repeated && frame.outcome != Outcome::kSkipped) {
+    event.AddInteger("points", static_cast<uint64_t>(frame.points));
+    rejected ? AddRejected(frame, &event) : AddFitted(frame, &event);
   }
-  if (frame.outcome == Outcome::kSkipped) {
-    log.info("frame session={} frame={} outcome=skipped", session_id, frame.sequence_number);
-    return;
-  }
-  if (frame.outcome == Outcome::kRejected) {
-    log.warn(
-        "frame session={} frame={} points={} outcome=rejected code={} error={} queue_ms={:.2f} "
-        "decode_ms={:.2f}",
-        session_id, frame.sequence_number, frame.points, frame.error.raw_code(),
-        Quoted(frame.error.message()), frame.ms.queue, frame.ms.decode);
-    return;
-  }
-  log.info(
-      "frame session={} frame={} points={} outcome=fitted iterations={} rms={:.6g} "
-      "rms_percent={:.4f} verdict={} queue_ms={:.2f} decode_ms={:.2f} template_ms={:.2f} "
-      "index_ms={:.2f} solve_ms={:.2f} measure_ms={:.2f} encode_ms={:.2f}",
-      session_id, frame.sequence_number, frame.points, frame.fit.iterations, frame.distances.rms,
-      frame.rms_percent, Name(frame.verdict), frame.ms.queue, frame.ms.decode,
-      frame.ms.template_making, frame.ms.index, frame.ms.solve, frame.ms.measure, frame.ms.encode);
-}
-
-void LogStreamEnd(spdlog::logger& log, const std::string& session_id, uint64_t epoch,
-                  const absl::Status& status) {
-  log.info("stream session={} epoch={} code={} message={}", session_id, epoch, status.raw_code(),
-           Quoted(status.message()));
+  log.log(level, event.text());
 }
 
 }  // namespace cagefit::server

@@ -1,4 +1,4 @@
-// The server's log: one line of key=value pairs per event.
+// The server's log of frames: one line each.
 #ifndef CAGEFIT_SERVER_TRANSPORT_FRAME_LOG_H_
 #define CAGEFIT_SERVER_TRANSPORT_FRAME_LOG_H_
 
@@ -10,10 +10,8 @@
 
 namespace cagefit::server {
 
-void LogFrame(spdlog::logger& log, const std::string& session_id, const FrameAnswer& answer);
-
-void LogStreamEnd(spdlog::logger& log, const std::string& session_id, uint64_t epoch,
-                  const absl::Status& status);
+void LogFrame(spdlog::logger& log, const std::string& session_id, const std::string& trace_id,
+              const FrameAnswer& answer);
 
 }  // namespace cagefit::server
 

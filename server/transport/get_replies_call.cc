@@ -29,7 +29,7 @@ GetRepliesCall* GetRepliesCall::Start(const ServiceState& state,
   if (call->sessions_.ok()) {
     call->QueueNext();
   } else {
-    call->Finish(ToGrpc(call->sessions_.status(), context));
+    call->Finish(call->record_.End(call->sessions_.status()));
   }
   return call;
 }
@@ -39,20 +39,21 @@ GetRepliesCall::GetRepliesCall(const ServiceState& state, grpc::CallbackServerCo
     : state_(state),
       context_(context),
       request_(request),
+      record_(state, context, "GetReplies"),
       sessions_(state.auth->Enter(*context)),
       reservation_(state.budget) {}
 
 void GetRepliesCall::QueueNext() {
   const absl::Status queued = state_.scheduler->queries.Run(context_->peer(), [this] { Next(); });
-  if (!queued.ok()) Finish(ToGrpc(queued, context_));
+  if (!queued.ok()) Finish(record_.End(queued));
 }
 
 void GetRepliesCall::Next() {
   absl::Status status = context_->IsCancelled() ? CancelledCall(*context_) : absl::OkStatus();
   if (status.ok() && ledger_ == nullptr) status = Begin();
-  if (status.ok() && next_ == end_) return Finish(grpc::Status::OK);
+  if (status.ok() && next_ == end_) return Finish(record_.End(absl::OkStatus()));
   if (status.ok()) status = MakeReply();
-  if (!status.ok()) return Finish(ToGrpc(status, context_));
+  if (!status.ok()) return Finish(record_.End(status));
   StartWrite(&reply_);
 }
 
@@ -83,7 +84,7 @@ absl::Status GetRepliesCall::MakeReply() {
 }
 
 void GetRepliesCall::OnWriteDone(bool ok) {
-  if (!ok) return Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
+  if (!ok) return Finish(record_.End(absl::CancelledError("the client is gone")));
   QueueNext();
 }
 

@@ -12,6 +12,7 @@
 
 #include "cagefit/v1/fitting.pb.h"
 #include "server/session/session_ledger.h"
+#include "server/transport/call_record.h"
 #include "server/transport/service_state.h"
 
 namespace cagefit::server {
@@ -39,6 +40,7 @@ class GetRepliesCall : public grpc::ServerWriteReactor<v1::FrameReply> {
   const ServiceState& state_;
   grpc::CallbackServerContext* const context_;
   const v1::GetRepliesRequest* const request_;
+  CallRecord record_;
   const absl::StatusOr<PrincipalSessions> sessions_;
   std::shared_ptr<SessionLedger> ledger_;  // from the first task on
   uint64_t next_ = 0, end_ = 0;            // sequence numbers

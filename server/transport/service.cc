@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "server/session/surface_export.h"
 #include "server/transport/blob_reader.h"
 #include "server/transport/blob_writer.h"
+#include "server/transport/call_record.h"
 #include "server/transport/evaluate_loss_call.h"
 #include "server/transport/fit_frames_call.h"
 #include "server/transport/get_replies_call.h"
@@ -29,25 +31,28 @@ constexpr size_t kMaxPageBytes = 3 << 20;  // sessions have cameras: up to some 
 
 using UnaryFn = std::function<absl::Status(const PrincipalSessions&)>;
 
-absl::Status Queue(const ServiceState& state, grpc::CallbackServerContext* context,
-                   int64_t request_bytes, grpc::ServerUnaryReactor* reactor, UnaryFn work) {
-  ASSIGN_OR_RETURN(const PrincipalSessions sessions, state.auth->Enter(*context));
+absl::Status Queue(const ServiceState& state, const grpc::CallbackServerContext& context,
+                   int64_t request_bytes, std::function<void(const PrincipalSessions&)> task) {
+  ASSIGN_OR_RETURN(const PrincipalSessions sessions, state.auth->Enter(context));
   if (request_bytes > kSmallRequestBytes) RETURN_IF_ERROR(sessions.CheckRate());
   sessions.Receive(request_bytes);
-  return state.scheduler->queries.Run(
-      context->peer(), [reactor, context, sessions, work = std::move(work)] {
-        reactor->Finish(
-            ToGrpc(context->IsCancelled() ? CancelledCall(*context) : work(sessions), context));
-      });
+  return state.scheduler->queries.Run(context.peer(),
+                                      [sessions, task = std::move(task)] { task(sessions); });
 }
 
 // Answers from a pool: `work` may take its time.
 grpc::ServerUnaryReactor* RunUnary(const ServiceState& state, grpc::CallbackServerContext* context,
-                                   const google::protobuf::Message& request, UnaryFn work) {
+                                   const char* method, const google::protobuf::Message& request,
+                                   UnaryFn work) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  const auto record = std::make_shared<CallRecord>(state, context, method);
   const absl::Status queued =
-      Queue(state, context, static_cast<int64_t>(request.ByteSizeLong()), reactor, std::move(work));
-  if (!queued.ok()) reactor->Finish(ToGrpc(queued, context));
+      Queue(state, *context, static_cast<int64_t>(request.ByteSizeLong()),
+            [reactor, context, record, work = std::move(work)](const PrincipalSessions& sessions) {
+              reactor->Finish(
+                  record->End(context->IsCancelled() ? CancelledCall(*context) : work(sessions)));
+            });
+  if (!queued.ok()) reactor->Finish(record->End(queued));
   return reactor;
 }
 
@@ -109,7 +114,7 @@ absl::StatusOr<std::string> Stencils(const PrincipalSessions& sessions,
 grpc::ServerUnaryReactor* FittingService::CreateSession(grpc::CallbackServerContext* context,
                                                         const v1::CreateSessionRequest* request,
                                                         v1::Session* session) {
-  return RunUnary(state_, context, *request,
+  return RunUnary(state_, context, "CreateSession", *request,
                   [this, request, session](const PrincipalSessions& sessions) {
                     return Create(state_, sessions, *request, session);
                   });
@@ -118,7 +123,8 @@ grpc::ServerUnaryReactor* FittingService::CreateSession(grpc::CallbackServerCont
 grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFromStream(
     grpc::CallbackServerContext* context, v1::Session* session) {
   return BlobReader::Start(
-      state_, context, [this, session](const PrincipalSessions& sessions, const std::string& blob) {
+      state_, context, "CreateSessionFromStream",
+      [this, session](const PrincipalSessions& sessions, const std::string& blob) {
         v1::CreateSessionRequest request;
         if (!request.ParseFromString(blob)) {
           return InvalidField("data", "not a CreateSessionRequest", "expected one, serialized");
@@ -130,7 +136,7 @@ grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFr
 grpc::ServerUnaryReactor* FittingService::GetSession(grpc::CallbackServerContext* context,
                                                      const v1::GetSessionRequest* request,
                                                      v1::Session* session) {
-  return RunUnary(state_, context, *request,
+  return RunUnary(state_, context, "GetSession", *request,
                   [request, session](const PrincipalSessions& sessions) -> absl::Status {
                     ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request->session_id()));
                     *session = ToProto(*ledger);
@@ -142,7 +148,7 @@ grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerConte
                                                        const v1::ListSessionsRequest* request,
                                                        v1::ListSessionsResponse* response) {
   return RunUnary(
-      state_, context, *request,
+      state_, context, "ListSessions", *request,
       [request, response](const PrincipalSessions& sessions) -> absl::Status {
         const uint32_t size =
             request->page_size() == 0 ? kMaxPageSize : std::min(request->page_size(), kMaxPageSize);
@@ -165,15 +171,17 @@ grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* FittingService::DeleteSession(grpc::CallbackServerContext* context,
                                                         const v1::DeleteSessionRequest* request,
                                                         google::protobuf::Empty*) {
-  return RunUnary(state_, context, *request, [request](const PrincipalSessions& sessions) {
-    return sessions.Delete(request->session_id());
-  });
+  return RunUnary(state_, context, "DeleteSession", *request,
+                  [request](const PrincipalSessions& sessions) {
+                    return sessions.Delete(request->session_id());
+                  });
 }
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetControlMesh(
     grpc::CallbackServerContext* context, const v1::GetControlMeshRequest* request) {
   return BlobWriter::Start(
-      state_, context, [request](const PrincipalSessions& sessions) -> absl::StatusOr<std::string> {
+      state_, context, "GetControlMesh",
+      [request](const PrincipalSessions& sessions) -> absl::StatusOr<std::string> {
         ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request->session_id()));
         ASSIGN_OR_RETURN(const ControlMesh mesh, FindMesh(*ledger, *request));
         return ToProto(mesh).SerializeAsString();
@@ -182,16 +190,16 @@ grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetControlMesh(
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetSurface(
     grpc::CallbackServerContext* context, const v1::GetSurfaceRequest* request) {
-  return BlobWriter::Start(state_, context, [request](const PrincipalSessions& sessions) {
-    return Surface(sessions, *request);
-  });
+  return BlobWriter::Start(
+      state_, context, "GetSurface",
+      [request](const PrincipalSessions& sessions) { return Surface(sessions, *request); });
 }
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetStencils(
     grpc::CallbackServerContext* context, const v1::GetStencilsRequest* request) {
-  return BlobWriter::Start(state_, context, [request](const PrincipalSessions& sessions) {
-    return Stencils(sessions, *request);
-  });
+  return BlobWriter::Start(
+      state_, context, "GetStencils",
+      [request](const PrincipalSessions& sessions) { return Stencils(sessions, *request); });
 }
 
 grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* FittingService::EvaluateLoss(

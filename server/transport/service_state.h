@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "server/session/metrics.h"
 #include "server/session/scheduler.h"
 #include "server/transport/auth.h"
 #include "server/transport/byte_budget.h"
@@ -21,6 +22,7 @@ struct ServiceState {
   StreamRegistry* streams = nullptr;
   ClockFn clock;  // milliseconds
   std::shared_ptr<spdlog::logger> log;
+  Metrics* metrics = nullptr;
 };
 
 }  // namespace cagefit::server

@@ -31,6 +31,11 @@ void StreamRegistry::Remove(const DrainableStream* stream) {
   streams_.erase(stream);
 }
 
+int64_t StreamRegistry::size() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return static_cast<int64_t>(streams_.size());
+}
+
 absl::Status StreamRegistry::CheckServing() const {
   std::lock_guard<std::mutex> lock(mutex_);
   return draining_ ? ShuttingDown() : absl::OkStatus();

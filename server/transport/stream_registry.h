@@ -26,6 +26,7 @@ class StreamRegistry {
   // RESOURCE_EXHAUSTED at the limit, UNAVAILABLE while draining.
   absl::Status Add(const std::shared_ptr<DrainableStream>& stream);
   void Remove(const DrainableStream* stream);
+  int64_t size() const;  // open streams
 
   // OK, or UNAVAILABLE once DrainAll was called.
   absl::Status CheckServing() const;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <sstream>
 
 #include "server/session/private_folder.h"
 
@@ -53,6 +54,15 @@ class ServerOptionsTest : public ::testing::Test {
     EXPECT_EQ(output_, "");
   }
 
+  static std::string WithoutComments(const std::string& text) {
+    std::istringstream lines(text);
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) {
+      if (line[0] != '#') kept += line + "\n";
+    }
+    return kept;
+  }
+
   PrivateFolder folder_ = PrivateFolder::Create().value();
   std::vector<std::string> set_;
   std::string errors_, output_;
@@ -84,6 +94,10 @@ TEST_F(ServerOptionsTest, EveryFlagArrives) {
                                      "--session-ttl-seconds=11",
                                      "--drain-seconds=0.5",
                                      "--log-level=trace",
+                                     "--drain-delay=1.5",
+                                     "--health-listen=b:2",
+                                     "--metrics-listen=c:3",
+                                     "--log-format=json",
                                      "--tls-cert=/c",
                                      "--tls-key=/k",
                                      "--tls-client-ca=/r",
@@ -107,6 +121,10 @@ TEST_F(ServerOptionsTest, EveryFlagArrives) {
   EXPECT_EQ(o.session_ttl_seconds, 11);
   EXPECT_EQ(o.drain_seconds, 0.5);
   EXPECT_EQ(o.log_level, "trace");
+  EXPECT_EQ(o.drain_delay, 1.5);
+  EXPECT_EQ(o.health_listen, "b:2");
+  EXPECT_EQ(o.metrics_listen, "c:3");
+  EXPECT_EQ(o.log_format, "json");
   EXPECT_EQ(o.tls_cert, "/c");
   EXPECT_EQ(o.tls_key, "/k");
   EXPECT_EQ(o.tls_client_ca, "/r");
@@ -156,10 +174,86 @@ TEST_F(ServerOptionsTest, AnUnknownVariableIsAnErrorWithASuggestion) {
   ExpectRefused({}, "CAGEFITD_MAX_POINT", "did you mean CAGEFITD_MAX_POINTS?");
 }
 
-TEST_F(ServerOptionsTest, AnUnknownFlagIsAnError) { ExpectRefused({"--no-such"}, "--no-such"); }
+TEST_F(ServerOptionsTest, AnEmptyVariableIsAnEmptyValue) {
+  SetVariable("CAGEFITD_HEALTH_LISTEN", "");
+  EXPECT_EQ(ParseGood({"--max-points=100"}).max_points, 100);
+  SetVariable("CAGEFITD_MAX_FRAMES", "");
+  ExpectRefused({}, "max-frames");
+}
 
-TEST_F(ServerOptionsTest, AnUnknownNameInTheFileIsAnError) {
-  ExpectRefused({"--config", WriteFile("no-such=1\n")}, "no-such");
+TEST_F(ServerOptionsTest, AnUnknownFlagIsAnErrorWithASuggestion) {
+  ExpectRefused({"--no-such-thing"}, "no option is called --no-such-thing\n");
+  ExpectRefused({"--max-pionts=200"}, "--max-pionts; did you mean --max-points?");
+  ExpectRefused({"stray"}, "stray");
+}
+
+TEST_F(ServerOptionsTest, AnUnknownNameInTheFileIsAnErrorWithItsLineAndASuggestion) {
+  ExpectRefused({"--config", WriteFile("# first\nmax-points=100\nmax-frame=1\n")},
+                "settings, line 3: no setting is called max-frame", "did you mean max-frames?");
+  for (const char* name : {"help", "version", "config", "print-config", "no-such-thing"}) {
+    ExpectRefused({"--config", WriteFile(std::string(name) + "=1\n")},
+                  std::string("no setting is called ") + name);
+  }
+}
+
+TEST_F(ServerOptionsTest, AVariableCannotAskForHelp) {
+  for (const char* name : {"CAGEFITD_HELP", "CAGEFITD_VERSION", "CAGEFITD_PRINT_CONFIG"}) {
+    SetVariable(name, "true");
+    ExpectRefused({}, name);
+    unsetenv(name);
+  }
+}
+
+TEST_F(ServerOptionsTest, AFileHasListsLineByLineAndOtherSettingsOnce) {
+  EXPECT_THAT(ParseGood({"--config", WriteFile("listen=[::1]:1\nlisten=unix:/b\n")}).listen,
+              ElementsAre("[::1]:1", "unix:/b"));
+  ExpectRefused({"--config", WriteFile("max-points=100\nmax-points=200\n")}, "line 2",
+                "max-points is set twice");
+}
+
+TEST_F(ServerOptionsTest, AFileOfAnotherFormIsAnErrorWithItsLine) {
+  ExpectRefused({"--config", WriteFile("\nmax-points 100\n")}, "settings, line 2",
+                "expected name=value");
+  ExpectRefused({"--config", folder_.path()}, "cannot be read");
+}
+
+TEST_F(ServerOptionsTest, PrintsWhatIsInForceAndWhereItComesFrom) {
+  const std::string file = WriteFile("max-frames=100\nmax-points=100\n");
+  SetVariable("CAGEFITD_MAX_SESSIONS", "200");
+  EXPECT_EQ(Parse({"--print-config", "--config", file, "--max-points", "300"}).exit_code, 0);
+  EXPECT_EQ(errors_, "");
+  EXPECT_THAT(output_, HasSubstr("# flag\nmax-points=300\n"));
+  EXPECT_THAT(output_, HasSubstr("# variable CAGEFITD_MAX_SESSIONS\nmax-sessions=200\n"));
+  EXPECT_THAT(output_, HasSubstr("# " + file + ", line 1\nmax-frames=100\n"));
+  EXPECT_THAT(output_, HasSubstr("# default\nlisten=127.0.0.1:50051\n"));
+  ExpectRefused({"--print-config", "--max-points=1"}, "max-points is 1");
+}
+
+TEST_F(ServerOptionsTest, WhatItPrintsGivesTheSameOptionsAgain) {
+  const std::vector<std::vector<std::string>> cases = {
+      {},
+      {"--listen=[::1]:0", "--listen=unix:/a b #c", "--template-program= \"x\\\n#,;=y' ",
+       "--template-seconds=0x1.8p1", "--drain-seconds=0.25", "--log-level=off", "--threads=3"},
+      {"--template-program=", "--health-listen=\xc3\xa4:1"}};
+  for (const std::vector<std::string>& arguments : cases) {
+    const ServerOptions before = ParseGood(arguments);
+    std::vector<std::string> printing = arguments;
+    printing.push_back("--print-config");
+    ASSERT_EQ(Parse(printing).exit_code, 0) << errors_;
+    const std::string printed = output_;
+    const std::string file = WriteFile(printed);
+    const ServerOptions after = ParseGood({"--config", file});
+    EXPECT_EQ(after.listen, before.listen);
+    EXPECT_EQ(after.template_program, before.template_program);
+    EXPECT_EQ(after.template_seconds, before.template_seconds);
+    EXPECT_EQ(after.drain_seconds, before.drain_seconds);
+    EXPECT_EQ(after.health_listen, before.health_listen);
+    EXPECT_EQ(after.log_level, before.log_level);
+    EXPECT_EQ(after.threads, before.threads);
+    // All of them: printed once more, only the sources differ.
+    ASSERT_EQ(Parse({"--print-config", "--config", file}).exit_code, 0);
+    EXPECT_EQ(WithoutComments(output_), WithoutComments(printed));
+  }
 }
 
 TEST_F(ServerOptionsTest, AMissingFileIsAnError) {

@@ -104,18 +104,6 @@ TEST(ServerTest, RefusesBadOptions) {
   EXPECT_TRUE(absl::IsInvalidArgument(Server::Start(options, SilentLog()).status()));
 }
 
-TEST(ServerTest, HealthAnswers) {
-  RunningServer server;
-  const std::string serving = "\x08\x01";  // HealthCheckResponse.status = SERVING
-  EXPECT_EQ(CallRaw(server.tcp(), "/grpc.health.v1.Health/Check", ""), serving);
-  // HealthCheckRequest.service
-  const std::string service = "cagefit.v1.Fitting";
-  EXPECT_EQ(
-      CallRaw(server.tcp(), "/grpc.health.v1.Health/Check",
-              absl::StrCat("\x0a", std::string(1, static_cast<char>(service.size())), service)),
-      serving);
-}
-
 TEST(ServerTest, ReflectionAnswersOnlyWhereItIsAskedFor) {
   const auto list_services = [](const RunningServer& server) {
     // ServerReflectionRequest.list_services

@@ -320,5 +320,16 @@ TEST(WorkerPoolTest, ManyKeysThatGiveWayAllComeToTheirEnd) {
   EXPECT_EQ(ran, 100);
 }
 
+TEST(WorkerPoolTest, TellsHowManyTasksWait) {
+  WorkerPool pool("tasks", 1, 100);
+  EXPECT_EQ(pool.queued(), 0);
+  Gate gate;
+  gate.HoldOneWorkerOf(&pool);
+  EXPECT_EQ(pool.queued(), 0);  // it runs
+  for (const char* key : {"a", "a", "b"}) ASSERT_TRUE(pool.Run(key, [] {}).ok());
+  EXPECT_EQ(pool.queued(), 3);
+  gate.Open();
+}
+
 }  // namespace
 }  // namespace cagefit::server

@@ -33,7 +33,7 @@ struct TestService {
         streams(limits.max_streams),
         scheduler(limits.scheduler),
         service({&auth, &scheduler, &budget, &streams, NoTime,
-                 std::make_shared<spdlog::logger>("", log)}) {
+                 std::make_shared<spdlog::logger>("", log), &metrics}) {
     grpc::ServerBuilder builder;
     const std::string address = "unix:" + folder.path() + "/socket";
     builder.AddListeningPort(address, grpc::InsecureServerCredentials());
@@ -65,6 +65,7 @@ struct TestService {
   ByteBudget budget;
   StreamRegistry streams;
   Scheduler scheduler;
+  Metrics metrics;
   FittingService service;
   std::unique_ptr<grpc::Server> network;
   std::unique_ptr<v1::Fitting::Stub> stub;
