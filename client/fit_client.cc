@@ -18,7 +18,7 @@
 namespace cagefit::client {
 namespace {
 
-constexpr size_t kMaxUnaryBytes = 3 << 20;  // above it, a request goes by stream
+constexpr size_t kMaxUnaryBytes = 1 << 20;  // above it, a request goes by stream
 constexpr size_t kChunkBytes = 1 << 20;
 constexpr size_t kMaxBlobBytes = size_t{1} << 30;
 constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;

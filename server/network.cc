@@ -13,17 +13,18 @@ namespace cagefit::server {
 namespace {
 
 constexpr int kMaxMessageBytes = 4 << 20;
-// The last line against floods of headers; admission is by the limits of the options.
-constexpr size_t kNetworkQuotaBytes = size_t{256} << 20;
+// gRPC parses what it receives, and two bytes may become eighty.
+constexpr int kMaxReceivedBytes = 5 << 18;
 constexpr int kKeepaliveMs = 30'000, kKeepaliveTimeoutMs = 10'000, kMinPingIntervalMs = 10'000;
 
-void SetLimits(grpc::ServerBuilder* builder) {
-  builder->SetMaxReceiveMessageSize(kMaxMessageBytes);
+void SetLimits(int64_t quota_bytes, grpc::ServerBuilder* builder) {
+  builder->SetMaxReceiveMessageSize(kMaxReceivedBytes);
   builder->SetMaxSendMessageSize(kMaxMessageBytes);
   // A message is inflated before its size is checked: a small one could take a gigabyte.
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
-  builder->SetResourceQuota(grpc::ResourceQuota("cagefitd").Resize(kNetworkQuotaBytes));
+  builder->SetResourceQuota(
+      grpc::ResourceQuota("cagefitd").Resize(static_cast<size_t>(quota_bytes)));
   // Otherwise two servers share a port without a word.
   builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder->AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
@@ -57,9 +58,10 @@ void Network::End(absl::Duration drain) const {
 }
 
 absl::StatusOr<Network> Serve(const std::vector<Listener>& listeners,
-                              const std::vector<grpc::Service*>& services, Reflection reflection) {
+                              const std::vector<grpc::Service*>& services, Reflection reflection,
+                              int64_t quota_bytes) {
   grpc::ServerBuilder builder;
-  SetLimits(&builder);
+  SetLimits(quota_bytes, &builder);
   if (reflection == Reflection::kOff) builder.SetOption(std::make_unique<WithoutReflection>());
   for (grpc::Service* service : services) builder.RegisterService(service);
   std::vector<int> ports(listeners.size(), 0);

@@ -4,6 +4,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,10 +29,12 @@ struct Listener {
 
 enum class Reflection { kOff, kOn };
 
-// Serves when it returns; `services` must outlive the server. UNAVAILABLE naming the address that
-// cannot be listened on.
+// Connections hold about `quota_bytes` together, the last line against floods of headers; admission
+// is by the limits of the options. Serves when it returns; `services` must outlive the server.
+// UNAVAILABLE naming the address that cannot be listened on.
 absl::StatusOr<Network> Serve(const std::vector<Listener>& listeners,
-                              const std::vector<grpc::Service*>& services, Reflection reflection);
+                              const std::vector<grpc::Service*>& services, Reflection reflection,
+                              int64_t quota_bytes);
 
 }  // namespace cagefit::server
 

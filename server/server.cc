@@ -13,6 +13,7 @@
 
 #include "core/base/status.h"
 #include "server/housekeeping.h"
+#include "server/machine_memory.h"
 #include "server/metrics_port.h"
 #include "server/network.h"
 #include "server/server_access.h"
@@ -26,6 +27,11 @@
 
 namespace cagefit::server {
 namespace {
+
+// The last line against floods of headers; admission is by the limits of the options.
+constexpr int64_t kNetworkQuotaBytes = int64_t{256} << 20;
+// What a process takes that counts nothing: code, stacks, tables, connections.
+constexpr int64_t kBaseBytes = int64_t{96} << 20;
 
 double Milliseconds() {
   return std::chrono::duration<double, std::milli>(
@@ -48,8 +54,19 @@ Scheduler::Options SchedulerOptions(const ServerOptions& options) {
   return scheduler;
 }
 
-SessionStore::Limits StoreLimits(const ServerOptions& options) {
+int64_t MaxMemoryBytes(const ServerOptions& options) {
+  if (options.max_memory_mib > 0) return options.max_memory_mib << 20;
+  return std::max(MachineMemoryBytes() / 5 * 4, int64_t{256} << 20);
+}
+
+// What is counted may take: the allocator needs a tenth for what is between.
+int64_t CountedBytes(const ServerOptions& options) {
+  return (MaxMemoryBytes(options) - kBaseBytes) / 10 * 9;
+}
+
+SessionStore::Limits StoreLimits(const ServerOptions& options, MemoryAccount* memory) {
   SessionStore::Limits limits;
+  limits.memory = memory;
   limits.max_sessions = options.max_sessions;
   limits.session.decode.max_points = options.max_points;
   limits.session.max_frame_bytes = options.max_frame_mib << 20;
@@ -90,7 +107,10 @@ struct Server::Parts {
         threads(tbb::global_control::max_allowed_parallelism, Threads(options)),
         templates(TemplateProgram(options),
                   {TemplateMemoryBytes(options), absl::Seconds(options.template_seconds)}),
-        budget(options.max_buffered_mib << 20),
+        memory("memory of the server", CountedBytes(options)),
+        session_memory("memory of sessions", memory.limit() / 4 * 3, &memory),
+        budget("bytes in flight of all calls",
+               std::min(options.max_buffered_mib << 20, memory.limit() / 2), &memory),
         streams(options.max_streams),
         log(std::move(log)) {}
 
@@ -104,9 +124,10 @@ struct Server::Parts {
   tbb::global_control threads;
   TemplateProcess templates;
   std::unique_ptr<Journal> journal;
+  // Neither can take all: frames can arrive whatever sessions hold, and the other way round.
+  MemoryAccount memory, session_memory, budget;
   std::optional<SessionStore> store;
   std::optional<Auth> auth;
-  ByteBudget budget;
   StreamRegistry streams;
   std::shared_ptr<spdlog::logger> log;
   std::optional<Scheduler> scheduler;  // ends before the network does its last call
@@ -120,7 +141,7 @@ struct Server::Parts {
 
 absl::Status Server::Parts::OpenStore(const ServerOptions& options) {
   ASSIGN_OR_RETURN(journal, OpenJournal(options.store, Codec(), &metrics.store_seconds));
-  store.emplace(StoreLimits(options), journal.get(), &templates, Milliseconds);
+  store.emplace(StoreLimits(options, &session_memory), journal.get(), &templates, BusyMilliseconds);
   auth.emplace(&*store, access.tokens.get());
   return absl::OkStatus();
 }
@@ -134,12 +155,14 @@ absl::Status Server::Parts::Listen(const ServerOptions& options) {
   for (const std::string& address : options.listen) {
     listeners.push_back({address, access.CredentialsFor(address)});
   }
-  ASSIGN_OR_RETURN(network, Serve(listeners, {&*service, &health},
-                                  options.reflection ? Reflection::kOn : Reflection::kOff));
+  const int64_t quota_bytes = std::min(kNetworkQuotaBytes, MaxMemoryBytes(options) / 8);
+  ASSIGN_OR_RETURN(network,
+                   Serve(listeners, {&*service, &health},
+                         options.reflection ? Reflection::kOn : Reflection::kOff, quota_bytes));
   if (!options.health_listen.empty()) {
     ASSIGN_OR_RETURN(health_network,
                      Serve({{options.health_listen, grpc::InsecureServerCredentials()}},
-                           {&plain_health}, Reflection::kOff));
+                           {&plain_health}, Reflection::kOff, quota_bytes));
   }
   if (!options.metrics_listen.empty()) {
     ASSIGN_OR_RETURN(metrics_port, OpenMetricsPort(options.metrics_listen, state, readiness));

@@ -79,6 +79,9 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
   app->add_option("--max-buffered-mib", o->max_buffered_mib,
                   "In flight of all calls: unanswered frames, unsent results")
       ->capture_default_str();
+  app->add_option("--max-memory", o->max_memory_mib,
+                  "MiB of the process; 0: 80 % of what the machine or the container has")
+      ->capture_default_str();
   app->add_option("--threads", o->threads, "Threads of all fits together; 0: one per core")
       ->capture_default_str();
   app->add_option("--fits", o->fits, "Concurrent fits; 0: half the threads")->capture_default_str();
@@ -159,6 +162,7 @@ absl::Status ServerOptions::Validate() const {
   RETURN_IF_ERROR(CheckRange("max-history-mib", max_history_mib, 1, 1 << 20));
   RETURN_IF_ERROR(CheckRange("max-streams", max_streams, 1, 1e6));
   RETURN_IF_ERROR(CheckRange("max-buffered-mib", max_buffered_mib, 1, 1 << 20));
+  if (max_memory_mib != 0) RETURN_IF_ERROR(CheckRange("max-memory", max_memory_mib, 256, 1 << 20));
   RETURN_IF_ERROR(CheckRange("threads", threads, 0, 1024));
   RETURN_IF_ERROR(CheckRange("fits", fits, 0, 1024));
   RETURN_IF_ERROR(CheckRange("drain-seconds", drain_seconds, 0, 3600));

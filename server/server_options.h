@@ -33,6 +33,8 @@ struct ServerOptions {
   int64_t max_history_mib = 512;           // stored replies of a session; 1 to 1,048,576
   int64_t max_streams = 2'000;             // open at a time; 1 to 1,000,000
   int64_t max_buffered_mib = 2'048;        // in flight of all calls; 1 to 1,048,576
+  // Of the process; 256 to 1,048,576 MiB. 0: 80 % of what the machine or the container has.
+  int64_t max_memory_mib = 0;
 
   // How much is done at a time; 0: from the number of cores.
   int64_t threads = 0;  // of all fits together; 0 to 1,024

@@ -26,7 +26,7 @@ class Session:
 
     @classmethod
     def create(cls, channel, control_mesh, options=None):
-        """A new session on a pb.ControlMesh that fits in one message (3 MiB)."""
+        """A new session on a pb.ControlMesh that fits in one message (1 MiB)."""
         request = pb.CreateSessionRequest(control_mesh=control_mesh, options=options)
         return cls(channel, fitting_pb2_grpc.FittingStub(channel).CreateSession(request).session_id)
 

@@ -191,7 +191,9 @@ absl::Status DracoBudget::CheckFaces(int64_t faces) const {
 
 absl::Status DracoBudget::Take(int64_t bytes) {
   taken_ += bytes;
-  if (taken_ <= limits_.max_decoded_bytes) return absl::OkStatus();
+  if (taken_ <= limits_.max_decoded_bytes) {
+    return limits_.reserve ? limits_.reserve(bytes) : absl::OkStatus();
+  }
   return absl::ResourceExhaustedError(
       absl::StrFormat("max_decoded_bytes is %d, needs %d", limits_.max_decoded_bytes, taken_));
 }

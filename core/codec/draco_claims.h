@@ -19,8 +19,8 @@ class DracoBudget {
   DracoBudget(const DecodeLimits& limits, int64_t encoded_bytes)
       : limits_(limits), encoded_bytes_(encoded_bytes) {}
 
-  // RESOURCE_EXHAUSTED above the limits; INVALID_ARGUMENT for no points, and for more points or
-  // faces than so few bytes can plausibly hold.
+  // RESOURCE_EXHAUSTED above the limits, or what their `reserve` says; INVALID_ARGUMENT for no
+  // points, and for more points or faces than so few bytes can plausibly hold.
   absl::Status CheckPoints(int64_t points) const;
   absl::Status CheckFaces(int64_t faces) const;
   absl::Status Take(int64_t bytes);

@@ -7,6 +7,7 @@
 #define CAGEFIT_CORE_CODEC_DRACO_CODEC_H_
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -21,6 +22,8 @@ struct DecodeLimits {
   int64_t max_points = 4'000'000;
   int64_t max_faces = 8'000'000;
   int64_t max_decoded_bytes = int64_t{512} << 20;  // attributes, faces and the decoder's own tables
+  // Asked before the decoder takes so many bytes more; an error ends the decoding. May be empty.
+  std::function<absl::Status(int64_t bytes)> reserve;
   // Metadata is never needed here: a service refuses it, a program that reads files skips it.
   bool allow_metadata = false;
 };

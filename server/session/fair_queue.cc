@@ -5,8 +5,8 @@
 namespace cagefit::server {
 namespace {
 
-// Idle keys with debts that are kept; those that owe least are forgiven first.
-constexpr size_t kMostOwing = 4096;
+// Idle keys of a priority that are remembered; those that owe least are forgotten first.
+constexpr size_t kMostIdle = 4096;
 
 Priority Other(Priority priority) {
   return priority == Priority::kLive ? Priority::kBatch : Priority::kLive;
@@ -26,14 +26,14 @@ void FairQueue::Add(const std::string& key, Priority priority) {
   if (found != members_.end()) {
     // A key that was idle may have changed its priority: its debt was to the others.
     if (found->second.priority == priority) clock = std::max(clock, found->second.clock);
-    GroupOf(found->second.priority).owing.erase(found->second.place);
+    GroupOf(found->second.priority).idle.erase(found->second.place);
   }
   // A group that comes back brings along no more than a key does.
   if (!group.is_active()) group.clock = std::max(group.clock, now_);
   Member& member = members_[key];
   member.priority = priority;
   member.clock = std::min(clock, group.now + kMostDebtMs);
-  member.place = {member.clock, ++arrivals_, key};
+  member.place = {member.clock + member.task_ms, ++arrivals_, key};
   group.waiting.insert(member.place);
 }
 
@@ -50,21 +50,17 @@ std::string FairQueue::Take() {
   Group& group = is_batch ? batch : live;
   const auto first = group.waiting.begin();
   std::string key = std::get<std::string>(*first);
-  Serve(&group, std::get<double>(*first));
   group.waiting.erase(first);
   ++group.taken;
+  GoOn(key);
   return key;
 }
 
-void FairQueue::Serve(Group* group, double clock) {
-  now_ = std::max(now_, group->clock);
-  group->now = std::max(group->now, clock);
-  // Who owes nothing any more is as good as unknown.
-  while (!group->owing.empty() && (std::get<double>(*group->owing.begin()) <= group->now ||
-                                   group->owing.size() > kMostOwing)) {
-    members_.erase(std::get<std::string>(*group->owing.begin()));
-    group->owing.erase(group->owing.begin());
-  }
+void FairQueue::GoOn(const std::string& key) {
+  const Member& member = members_.at(key);
+  Group& group = GroupOf(member.priority);
+  now_ = std::max(now_, group.clock);
+  group.now = std::max(group.now, member.clock);
 }
 
 bool FairQueue::IsOvertaken(const std::string& key) const {
@@ -84,21 +80,17 @@ void FairQueue::Charge(const std::string& key, double ms) {
   if (other.is_active()) group.clock = std::min(group.clock, other.clock + kMostGroupDebtMs);
 }
 
-void FairQueue::GoOn(const std::string& key) {
-  const Member& member = members_.at(key);
-  Serve(&GroupOf(member.priority), member.clock);
-}
+void FairQueue::Expect(const std::string& key, double ms) { members_.at(key).task_ms = ms; }
 
 void FairQueue::Release(const std::string& key) {
   Member& member = members_.at(key);
   Group& group = GroupOf(member.priority);
   --group.taken;
-  if (member.clock <= group.now) {
-    members_.erase(key);
-    return;
-  }
   member.place = {member.clock, ++arrivals_, key};
-  group.owing.insert(member.place);
+  group.idle.insert(member.place);
+  if (group.idle.size() <= kMostIdle) return;
+  members_.erase(std::get<std::string>(*group.idle.begin()));
+  group.idle.erase(group.idle.begin());
 }
 
 }  // namespace cagefit::server

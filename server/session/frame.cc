@@ -66,7 +66,7 @@ absl::StatusOr<PointCloud> DecodeGeometry(const DecodeLimits& limits, const Fram
   if (absl::IsInvalidArgument(decoded.status())) {
     return WithDetail(decoded.status(), {"BAD_FRAME", frame.bytes_field, "", ""});
   }
-  if (absl::IsResourceExhausted(decoded.status())) {
+  if (absl::IsResourceExhausted(decoded.status()) && !DetailOf(decoded.status()).has_value()) {
     return WithDetail(decoded.status(), {"LIMIT_EXCEEDED", frame.bytes_field, "", ""});
   }
   RETURN_IF_ERROR(decoded.status());

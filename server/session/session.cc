@@ -328,18 +328,28 @@ absl::Status Session::Store(uint64_t epoch, const std::shared_ptr<StoredFrame>& 
   return absl::OkStatus();
 }
 
+void Session::DropModel() {
+  model_.reset();
+  frame_in_memory_ = false;
+}
+
+absl::Status Session::ReplayTrack() {
+  auto track = Track::Replay(*ledger_);
+  if (track.ok()) {
+    track_ = *std::move(track);
+    return absl::OkStatus();
+  }
+  if (absl::IsUnavailable(track.status())) return track.status();
+  return absl::DataLossError(
+      absl::StrCat("the stored frames of this session do not replay: ", track.status().message()));
+}
+
 absl::Status Session::Restore() {
   if (model_.has_value() || ledger_->Facts().fitted_frames == 0) return absl::OkStatus();
-  auto track = Track::Replay(*ledger_);
-  if (!track.ok()) {
-    if (absl::IsUnavailable(track.status())) return track.status();
-    return absl::DataLossError(absl::StrCat("the stored frames of this session do not replay: ",
-                                            track.status().message()));
-  }
+  if (track_.is_empty()) RETURN_IF_ERROR(ReplayTrack());
   ASSIGN_OR_RETURN(const Box first_box, FirstBox(*ledger_));
   ASSIGN_OR_RETURN(const ControlMesh template_mesh, ledger_->TemplateMesh());
   ASSIGN_OR_RETURN(model_, SurfaceModel::Create(template_mesh, first_box, ledger_->config()));
-  track_ = *std::move(track);
   return absl::OkStatus();
 }
 

@@ -58,6 +58,11 @@ class Session {
   // Answers a frame that is not to be fitted, likewise. The surface stays as it was.
   absl::StatusOr<FrameAnswer> Skip(const SkippedFrame& frame, uint64_t epoch);
 
+  // What a fit builds of the template and keeps: most of a session's memory. The next fit builds it
+  // again where it was dropped, and comes to the same bits.
+  bool has_model() const { return model_.has_value(); }
+  void DropModel();
+
   // The loss of `vertices` (3 x n, user units) against a decoded frame, or the one fitted last
   // where `frame` is null, as Fitter::Evaluate has it from where the next fit would start. No
   // answer depends on it. Before a frame is fitted, `frame` is taken for the first.
@@ -76,6 +81,7 @@ class Session {
   // Replays the ledger's frames, where this session has seen none of its fitted ones. DATA_LOSS
   // when they do not replay.
   absl::Status Restore();
+  absl::Status ReplayTrack();
 
   absl::StatusOr<FrameAnswer> Repeat(uint64_t sequence_number, const Digest& digest);
   // The answer to the next frame, fitted or rejected; its fit has begun `begun` times.

@@ -34,6 +34,11 @@ SessionLedger::SessionLedger(SessionRecord record, std::optional<ControlMesh> ma
       facts_{record_.head, /*stream_attached=*/false},
       made_template_(std::move(made_template)) {}
 
+void SessionLedger::SetMemoryBytes(int64_t bytes) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  facts_.memory_bytes = bytes;
+}
+
 SessionFacts SessionLedger::Facts() const {
   std::lock_guard<std::mutex> lock(mutex_);
   return facts_;

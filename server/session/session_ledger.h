@@ -24,6 +24,7 @@ namespace cagefit::server {
 
 struct SessionFacts : SessionHead {
   bool stream_attached = false;
+  int64_t memory_bytes = 0;  // that the session holds
 };
 
 // Thread-safe. Config, id and creation time never change.
@@ -48,7 +49,9 @@ class SessionLedger {
   const SessionConfig& config() const { return record_.config; }
   const SessionLimits& limits() const { return limits_; }
   absl::Time created() const { return record_.created; }
+  bool is_durable() const { return journal_->is_durable(); }
   SessionFacts Facts() const;
+  void SetMemoryBytes(int64_t bytes);
 
   // Raises the epoch and ends an older stream: ABORTED, reason EPOCH_SUPERSEDED. Nothing when the
   // journal has moved on without this ledger, by another process or in a write that seemed to fail:

@@ -1,7 +1,10 @@
 #include "server/session/session_store.h"
 
+#include <algorithm>
 #include <iterator>
+#include <limits>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -9,15 +12,55 @@
 #include "core/base/status.h"
 #include "server/session/digest.h"
 #include "server/session/error_detail.h"
+#include "server/session/session_memory.h"
 
 namespace cagefit::server {
+
 SessionLease::~SessionLease() {
-  if (entry_ != nullptr) entry_->leased.store(false, std::memory_order_release);
+  if (entry_ == nullptr) return;
+  entry_->Settle();
+  entry_->use.store(Use::kFree, std::memory_order_release);
+}
+
+absl::Status SessionLease::Reserve(Work work, int64_t points) {
+  Entry& entry = *entry_;
+  if (work == Work::kEvaluateLoss) entry.evaluates = true;
+  entry.points = std::max(entry.points, points);
+  return store_->Grow(entry.NeededBytes(entry.points) - entry.memory.bytes(), &entry.memory);
+}
+
+int64_t SessionLease::Entry::NeededBytes(int64_t points) const {
+  const SessionLedger& ledger = *session.ledger();
+  const SessionConfig& config = ledger.config();
+  const SessionFacts facts = ledger.Facts();
+  const bool has_template =
+      facts.fitted_frames > 0 || (facts.control_vertices > 0 && !config.tolerance.has_value());
+  const int32_t vertices =
+      has_template ? facts.control_vertices : MostFirstVertices(config, ledger.limits(), points);
+  int64_t bytes = IdleSessionBytes(config, vertices);
+  if (!ledger.is_durable()) bytes += facts.stored_bytes;
+  // The loss has terms of its own.
+  if (points > 0) bytes += (evaluates ? 2 : 1) * ModelBytes(config, vertices, points);
+  return bytes;
+}
+
+void SessionLease::Entry::Settle() {
+  if (!session.has_model()) {
+    points = 0;
+    evaluates = false;
+  }
+  memory.ShrinkTo(NeededBytes(points));
+  session.ledger()->SetMemoryBytes(memory.bytes());
 }
 
 SessionStore::SessionStore(const Limits& limits, Journal* journal, TemplateMaker* templates,
                            ClockFn clock)
-    : limits_(limits), journal_(journal), templates_(templates), clock_(std::move(clock)) {}
+    : limits_(limits),
+      journal_(journal),
+      templates_(templates),
+      clock_(std::move(clock)),
+      unlimited_("memory of sessions", std::numeric_limits<int64_t>::max()),
+      memory_(limits.memory != nullptr ? limits.memory : &unlimited_) {}
 
 absl::Status SessionStore::CheckLimits(const SessionConfig& config) const {
   const int32_t vertices = config.control_mesh.has_value() ? config.control_mesh->vertex_count()
@@ -65,10 +108,9 @@ absl::StatusOr<std::shared_ptr<SessionLedger>> SessionStore::Create(const Princi
   record.config = std::move(config);
   std::lock_guard<std::mutex> create(create_mutex_);
   RETURN_IF_ERROR(CheckRoom(owner));
+  auto ledger = std::make_shared<SessionLedger>(record, std::nullopt, limits_.session, journal_);
+  ASSIGN_OR_RETURN(EntryPtr entry, MakeEntry(ledger));
   RETURN_IF_ERROR(journal_->Create(record));
-  auto ledger =
-      std::make_shared<SessionLedger>(std::move(record), std::nullopt, limits_.session, journal_);
-  auto entry = std::make_shared<Entry>(ledger, templates_, clock_);
   entry->last_used = now;
   std::lock_guard<std::mutex> lock(mutex_);
   entries_.emplace(ledger->id(), std::move(entry));
@@ -100,7 +142,7 @@ SessionStore::EntryPtr SessionStore::FindLoaded(const std::string& id) {
 absl::StatusOr<SessionStore::EntryPtr> SessionStore::FindEntry(const std::string& id) {
   if (EntryPtr loaded = FindLoaded(id)) return loaded;
   ASSIGN_OR_RETURN(auto ledger, LoadLedger(id, /*with_template=*/true));
-  auto entry = std::make_shared<Entry>(std::move(ledger), templates_, clock_);
+  ASSIGN_OR_RETURN(EntryPtr entry, MakeEntry(std::move(ledger)));
   entry->last_used = absl::Now();
   std::lock_guard<std::mutex> lock(mutex_);
   return entries_.emplace(id, std::move(entry)).first->second;  // or who was faster
@@ -157,10 +199,52 @@ absl::Status SessionStore::Delete(const std::string& id) {
 
 absl::StatusOr<SessionLease> SessionStore::Lease(const std::string& id) {
   ASSIGN_OR_RETURN(EntryPtr entry, FindEntry(id));
-  if (entry->leased.exchange(true, std::memory_order_acquire)) {
-    return absl::UnavailableError(absl::StrCat("session ", id, " is in use"));
+  using Use = SessionLease::Use;
+  for (Use use = Use::kFree; !entry->use.compare_exchange_strong(use, Use::kLeased);
+       use = Use::kFree) {
+    if (use == Use::kLeased) {
+      return absl::UnavailableError(absl::StrCat("session ", id, " is in use"));
+    }
+    std::this_thread::yield();  // its model is just being dropped
   }
-  return SessionLease(std::move(entry));
+  return SessionLease(this, std::move(entry));
+}
+
+absl::StatusOr<SessionStore::EntryPtr> SessionStore::MakeEntry(
+    std::shared_ptr<SessionLedger> ledger) {
+  auto entry =
+      std::make_shared<Entry>(std::move(ledger), templates_, clock_, MemoryReservation(memory_));
+  RETURN_IF_ERROR(Grow(entry->NeededBytes(0), &entry->memory));
+  entry->Settle();
+  return entry;
+}
+
+absl::Status SessionStore::Grow(int64_t bytes, MemoryReservation* memory) {
+  if (bytes <= 0) return absl::OkStatus();
+  const absl::Status taken = memory->Grow(bytes);
+  if (taken.ok()) return taken;
+  Shed(bytes);
+  return memory->Grow(bytes);
+}
+
+void SessionStore::Shed(int64_t bytes) {
+  using Use = SessionLease::Use;
+  std::vector<std::pair<absl::Time, EntryPtr>> by_use;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    for (const auto& [id, entry] : entries_) by_use.emplace_back(entry->last_used, entry);
+  }
+  std::sort(by_use.begin(), by_use.end());
+  for (const auto& [time, entry] : by_use) {
+    Use use = Use::kFree;
+    if (!entry->use.compare_exchange_strong(use, Use::kShedding)) continue;
+    const int64_t before = entry->memory.bytes();
+    entry->session.DropModel();
+    entry->Settle();
+    bytes -= before - entry->memory.bytes();
+    entry->use.store(Use::kFree, std::memory_order_release);
+    if (bytes <= 0) return;
+  }
 }
 
 void SessionStore::Unload(absl::Time time) {

@@ -13,10 +13,13 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "server/session/journal.h"
+#include "server/session/memory_account.h"
 #include "server/session/principal.h"
 #include "server/session/session.h"
 
 namespace cagefit::server {
+
+class SessionStore;
 
 // The right to use a session, until it is destroyed. Keeps the session alive.
 class SessionLease {
@@ -27,17 +30,37 @@ class SessionLease {
 
   Session* operator->() const { return &entry_->session; }
 
+  // Before a fit, or an evaluation of the loss, of a frame of `points` points: takes the memory
+  // that the session's model will need, if need be from the models of sessions that are not leased.
+  // RESOURCE_EXHAUSTED. What turns out not to be needed is given back with the lease.
+  enum class Work { kFit, kEvaluateLoss };
+  absl::Status Reserve(Work work, int64_t points);
+
  private:
   friend class SessionStore;
+  enum class Use { kFree, kLeased, kShedding };
   struct Entry {
-    Entry(std::shared_ptr<SessionLedger> ledger, TemplateMaker* templates, ClockFn clock)
-        : session(std::move(ledger), templates, std::move(clock)) {}
-    Session session;
-    std::atomic<bool> leased{false};
-    absl::Time last_used;  // under the store's mutex
-  };
-  explicit SessionLease(std::shared_ptr<Entry> entry) : entry_(std::move(entry)) {}
+    Entry(std::shared_ptr<SessionLedger> ledger, TemplateMaker* templates, ClockFn clock,
+          MemoryReservation memory)
+        : session(std::move(ledger), templates, std::move(clock)), memory(std::move(memory)) {}
 
+    // What the session needs where its model has had frames of `points` points; 0: without one.
+    int64_t NeededBytes(int64_t points) const;
+    // Gives back what it does not need.
+    void Settle();
+
+    Session session;
+    std::atomic<Use> use{Use::kFree};
+    absl::Time last_used;  // under the store's mutex
+    // Of who uses the entry.
+    MemoryReservation memory;
+    int64_t points = 0;  // of the largest frame that the model has had
+    bool evaluates = false;
+  };
+  SessionLease(SessionStore* store, std::shared_ptr<Entry> entry)
+      : store_(store), entry_(std::move(entry)) {}
+
+  SessionStore* store_;
   std::shared_ptr<Entry> entry_;
 };
 
@@ -48,6 +71,7 @@ class SessionStore {
   struct Limits {
     int64_t max_sessions = 1000;
     SessionLimits session;
+    MemoryAccount* memory = nullptr;  // of all sessions in memory; null: without a limit
   };
 
   // `journal` and `templates` must outlive the store, every ledger and every lease.
@@ -96,6 +120,7 @@ class SessionStore {
   absl::StatusOr<int> Expire(absl::Time time);
 
  private:
+  friend class SessionLease;
   using Entry = SessionLease::Entry;
   using EntryPtr = std::shared_ptr<Entry>;
 
@@ -105,6 +130,10 @@ class SessionStore {
   absl::StatusOr<EntryPtr> FindEntry(const std::string& id);
   EntryPtr FindLoaded(const std::string& id);
   void Drop(const SessionLedger& ledger);  // from memory
+  // From the account; where it has no room, from models of sessions that are not leased.
+  absl::Status Grow(int64_t bytes, MemoryReservation* memory);
+  void Shed(int64_t bytes);
+  absl::StatusOr<EntryPtr> MakeEntry(std::shared_ptr<SessionLedger> ledger);
 
   // Under create_mutex_.
   absl::Status CheckRoom(const Principal& owner) const;
@@ -113,6 +142,8 @@ class SessionStore {
   Journal* const journal_;
   TemplateMaker* const templates_;
   const ClockFn clock_;
+  MemoryAccount unlimited_;
+  MemoryAccount* const memory_;
   std::mutex create_mutex_;  // so that no two sessions take the last place
   mutable std::mutex mutex_;
   std::map<std::string, EntryPtr> entries_;  // in memory

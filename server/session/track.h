@@ -18,6 +18,8 @@ class Track {
   // That of all answers in the ledger. Errors as of SessionLedger::StateOfFrame.
   static absl::StatusOr<Track> Replay(const SessionLedger& ledger);
 
+  bool is_empty() const { return state_.vertices.cols() == 0; }  // no frame is fitted
+
   // Takes the next fitted frame in.
   void Advance(const StoredFrame& answer, SurfaceState state);
 
@@ -31,8 +33,6 @@ class Track {
   const GridPoints& q() const { return state_.q; }  // after the last fitted frame
 
  private:
-  bool is_empty() const { return state_.vertices.cols() == 0; }
-
   SurfaceState state_;
   Points3d before_{3, 0};                 // after the fitted frame before that
   Points3d last_good_{3, 0};              // after the last frame that was not LOST

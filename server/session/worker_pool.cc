@@ -17,6 +17,7 @@ struct Place {
   double since = 0;  // its turn began
 };
 thread_local Place here;
+thread_local double paused_ms = 0;  // of this thread, in all
 
 constexpr double kTaskMeanShare = 0.1;  // of the latest task in the running mean
 
@@ -27,6 +28,8 @@ double SteadyMilliseconds() {
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
+
+double BusyMilliseconds() { return SteadyMilliseconds() - paused_ms; }
 
 WorkerPool::WorkerPool(std::string name, int workers, int64_t max_queued, int max_paused,
                        std::function<double()> clock)
@@ -126,9 +129,11 @@ void WorkerPool::Work() {
 
 void WorkerPool::EndTask(const std::string& key, Lane* lane) {
   Charge(key, lane);
+  const double ms = std::exchange(lane->used, 0);
+  turns_.Expect(key, ms);
   turns_.Release(key);
   --running_;
-  mean_task_ms_ += kTaskMeanShare * (std::exchange(lane->used, 0) - mean_task_ms_);
+  mean_task_ms_ += kTaskMeanShare * (ms - mean_task_ms_);
   lane->begun = false;
   if (lane->tasks.empty()) {
     lanes_.erase(key);
@@ -150,7 +155,9 @@ void WorkerPool::GiveWay() {
     ++paused_;
     --running_;
     Dispatch();
+    const double since = SteadyMilliseconds();
     lane.resumed.wait(lock, [&lane] { return !lane.paused; });
+    paused_ms += SteadyMilliseconds() - since;
   } else {
     turns_.GoOn(key);
   }

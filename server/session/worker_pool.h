@@ -19,10 +19,12 @@ namespace cagefit::server {
 
 // Milliseconds of a clock that never goes back.
 double SteadyMilliseconds();
+// Of one that stands still while the task of the calling thread has given way.
+double BusyMilliseconds();
 
-// Tasks of one key run one after another, in order. Of the keys that wait, the one that has used
-// the least time is served next (fair_queue.h); a long task that asks now and then gives way to
-// those that have used less. Thread-safe.
+// Tasks of one key run one after another, in order. Keys that wait take turns by the time that they
+// have used and will use (fair_queue.h); a long task that asks now and then gives way to those that
+// will be done before it has used as much. Thread-safe.
 class WorkerPool {
  public:
   using Task = std::function<void()>;

@@ -6,8 +6,10 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
-#include "server/transport/status_convert.h"
+#include "server/session/session_memory.h"
 #include "server/transport/frame_assembler.h"
+#include "server/transport/message_parts.h"
+#include "server/transport/status_convert.h"
 
 namespace cagefit::server {
 namespace {
@@ -68,9 +70,10 @@ absl::Status EvaluateLossCall::Decode() {
   RETURN_IF_ERROR(state_.streams->CheckServing());
   if (context_->IsCancelled()) return absl::CancelledError("cancelled");
   v1::EvaluateLossRequest request;
-  if (!request.ParseFromString(request_.TakeBytes())) {
-    return InvalidField("data", "not an EvaluateLossRequest", "expected one, serialized");
-  }
+  const std::string bytes = request_.TakeBytes();
+  // The message, and what is read from it.
+  RETURN_IF_ERROR(decoded_.Grow(2 * static_cast<int64_t>(bytes.size())));
+  RETURN_IF_ERROR(ParseParts("data", bytes, &request));
   ASSIGN_OR_RETURN(query_, FromProto(&request));
   ASSIGN_OR_RETURN(const auto ledger, sessions_->Find(query_.session_id));
   if (query_.frame.has_value()) {
@@ -79,10 +82,14 @@ absl::Status EvaluateLossCall::Decode() {
         CheckFrameBytes("frame.data", query_.frame->bytes.size(), limits.max_frame_bytes));
     const std::vector<Camera>& cameras = ledger->config().cameras;
     RETURN_IF_ERROR(decoded_.Grow(DecodedMaskBytes(query_.frame->stated_masks, cameras)));
-    DecodeFrame(limits.decode, cameras, state_.clock, &*query_.frame);
+    DecodeLimits decode = limits.decode;
+    decode.reserve = [this](int64_t bytes) { return decoded_.Grow(kDecodeFactor * bytes); };
+    DecodeFrame(decode, cameras, state_.clock, &*query_.frame);
     RETURN_IF_ERROR(query_.frame->cloud.status());
     query_.frame->bytes = std::string();
   }
+  // The vertices are counted with the request.
+  decoded_.ShrinkTo(query_.frame.has_value() ? HeldBytes(*query_.frame) : 0);
   return sessions_->RunFit(
       [this, priority = ledger->config().priority](WorkerPool::Task task) {
         return state_.scheduler->fits.Run(query_.session_id, std::move(task), priority);
@@ -93,7 +100,9 @@ absl::Status EvaluateLossCall::Decode() {
 absl::StatusOr<Loss> EvaluateLossCall::Evaluate() const {
   const auto cancelled = [this] { return context_->IsCancelled(); };
   if (cancelled()) return absl::CancelledError("cancelled");
-  ASSIGN_OR_RETURN(const SessionLease session, sessions_->Lease(query_.session_id));
+  ASSIGN_OR_RETURN(SessionLease session, sessions_->Lease(query_.session_id));
+  RETURN_IF_ERROR(session.Reserve(SessionLease::Work::kEvaluateLoss,
+                                  query_.frame.has_value() ? query_.frame->cloud->size() : 0));
   return session->EvaluateLoss(query_.vertices, query_.frame.has_value() ? &*query_.frame : nullptr,
                                cancelled);
 }

@@ -44,7 +44,7 @@ class EvaluateLossCall : public grpc::ServerBidiReactor<v1::DataChunk, v1::DataC
   v1::DataChunk chunk_;
   IncomingBlob request_;
   LossQuery query_;
-  ByteReservation decoded_;  // what the masks take
+  MemoryReservation decoded_;  // what the frame takes
   OutgoingBlob reply_;
 };
 

@@ -7,6 +7,7 @@
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
 #include "server/session/fail_point.h"
+#include "server/session/session_memory.h"
 #include "server/transport/frame_log.h"
 #include "server/transport/reply_convert.h"
 #include "server/transport/status_convert.h"
@@ -172,7 +173,12 @@ void FitFramesCall::Decode(std::shared_ptr<ReceivedFrame> received) {
   const absl::Status room =
       received->reservation.Grow(DecodedMaskBytes(frame.stated_masks, cameras));
   if (!room.ok()) return Stop(room);
-  DecodeFrame(sessions_->limits().decode, cameras, state_->clock, &frame);
+  DecodeLimits limits = sessions_->limits().decode;
+  limits.reserve = [&received](int64_t bytes) {
+    return received->reservation.Grow(kDecodeFactor * bytes);
+  };
+  DecodeFrame(limits, cameras, state_->clock, &frame);
+  received->reservation.ShrinkTo(HeldBytes(frame));
   const auto self = shared_from_this();
   const absl::Status queued = sessions_->RunFit(
       [self](WorkerPool::Task task) {
@@ -194,7 +200,10 @@ void FitFramesCall::Fit(std::shared_ptr<ReceivedFrame> received, double ready_ms
 }
 
 absl::StatusOr<FrameAnswer> FitFramesCall::Answer(Frame frame) {
-  ASSIGN_OR_RETURN(const SessionLease session, sessions_->Lease(ledger_->id()));
+  ASSIGN_OR_RETURN(SessionLease session, sessions_->Lease(ledger_->id()));
+  if (frame.cloud.ok()) {
+    RETURN_IF_ERROR(session.Reserve(SessionLease::Work::kFit, frame.cloud->size()));
+  }
   ASSIGN_OR_RETURN(FrameAnswer answer, session->Answer(std::move(frame), epoch_, [this] {
     if (abandoned_) return true;
     state_->scheduler->fits.GiveWay();
@@ -215,6 +224,11 @@ void FitFramesCall::SendAnswer(const FrameAnswer& answer) {
   Outgoing outgoing;
   *outgoing.message.mutable_frame() = ToProto(answer, *ledger_);
   outgoing.answers_frame = true;
+  // A client that reads slowly holds memory. What it does not get now, it gets when it asks again.
+  outgoing.memory.emplace(state_->budget);
+  const absl::Status room =
+      outgoing.memory->Grow(static_cast<int64_t>(outgoing.message.SpaceUsedLong()));
+  if (!room.ok()) return Stop(room);
   std::lock_guard<std::mutex> lock(mutex_);
   if (!abandoned_) Send(std::move(outgoing));
 }

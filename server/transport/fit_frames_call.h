@@ -45,6 +45,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   struct Outgoing {
     v1::FitFramesReply message;
     bool answers_frame = false;
+    std::optional<MemoryReservation> memory;  // of an answer
   };
 
   FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context);

@@ -60,7 +60,7 @@ absl::StatusOr<std::vector<Landmark>> LandmarksFromProto(
   return landmarks;
 }
 
-FrameAssembler::FrameAssembler(int64_t max_frame_bytes, ByteBudget* budget)
+FrameAssembler::FrameAssembler(int64_t max_frame_bytes, MemoryAccount* budget)
     : max_frame_bytes_(max_frame_bytes), budget_(budget) {}
 
 absl::StatusOr<std::optional<ReceivedFrame>> FrameAssembler::Add(v1::FitFramesRequest* request) {
@@ -86,7 +86,7 @@ absl::Status FrameAssembler::Begin(const v1::FrameHeader& header) {
   RETURN_IF_ERROR(CheckFrameBytes("header.total_bytes", header.total_bytes(), max_frame_bytes_));
   ASSIGN_OR_RETURN(std::vector<Landmark> landmarks,
                    LandmarksFromProto("header.landmarks", header.landmarks()));
-  ReceivedFrame received{Frame(), ByteReservation(budget_)};
+  ReceivedFrame received{Frame(), MemoryReservation(budget_)};
   RETURN_IF_ERROR(
       received.reservation.Grow(static_cast<int64_t>(landmarks.size() * sizeof(Landmark))));
   current_ = std::move(received);

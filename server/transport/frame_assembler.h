@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "cagefit/v1/fitting.pb.h"
 #include "server/session/frame.h"
-#include "server/transport/byte_budget.h"
+#include "server/session/memory_account.h"
 
 namespace cagefit::server {
 
@@ -19,7 +19,7 @@ inline constexpr size_t kMaxChunkBytes = 1 << 20;
 // A frame that is complete, and the share of the budget that it holds.
 struct ReceivedFrame {
   Frame frame;
-  ByteReservation reservation;
+  MemoryReservation reservation;
   double complete_ms = 0;  // when it was
 };
 
@@ -44,7 +44,7 @@ inline constexpr int kMaxLandmarks = 10'000;
 class FrameAssembler {
  public:
   // `budget` must outlive the assembler and its frames.
-  FrameAssembler(int64_t max_frame_bytes, ByteBudget* budget);
+  FrameAssembler(int64_t max_frame_bytes, MemoryAccount* budget);
 
   // Takes a header or a chunk (its bytes are moved out); returns the frame that it completes.
   // INVALID_ARGUMENT, reason PROTOCOL_VIOLATION, for a message that may not come here;
@@ -59,7 +59,7 @@ class FrameAssembler {
   absl::Status Append(v1::FrameChunk* chunk);
 
   const int64_t max_frame_bytes_;
-  ByteBudget* const budget_;
+  MemoryAccount* const budget_;
   std::optional<ReceivedFrame> current_;
   uint64_t total_bytes_ = 0;  // of the current frame, as its header says
 };

@@ -77,7 +77,7 @@ absl::Status GetRepliesCall::MakeReply() {
     fitted_seen_ = true;
   }
   reply_ = ToProto({std::move(answer), /*repeated=*/true}, *ledger_);
-  reservation_ = ByteReservation(state_.budget);
+  reservation_ = MemoryReservation(state_.budget);
   RETURN_IF_ERROR(reservation_.Grow(static_cast<int64_t>(reply_.ByteSizeLong())));
   ++next_;
   return absl::OkStatus();

@@ -46,7 +46,7 @@ class GetRepliesCall : public grpc::ServerWriteReactor<v1::FrameReply> {
   uint64_t next_ = 0, end_ = 0;            // sequence numbers
   bool fitted_seen_ = false;               // the client knows a state that deltas refer to
   v1::FrameReply reply_;
-  ByteReservation reservation_;  // what the reply takes
+  MemoryReservation reservation_;  // what the reply takes
 };
 
 }  // namespace cagefit::server

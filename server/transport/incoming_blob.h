@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "server/transport/byte_budget.h"
+#include "server/session/memory_account.h"
 
 namespace cagefit::server {
 
 class IncomingBlob {
  public:
   // Holds what it takes from `budget`, which must outlive it, until it is destroyed.
-  IncomingBlob(int64_t max_bytes, ByteBudget* budget)
+  IncomingBlob(int64_t max_bytes, MemoryAccount* budget)
       : max_bytes_(max_bytes), reservation_(budget) {}
 
   // `total_bytes` as each chunk tells it. INVALID_ARGUMENT for a chunk that does not fit to it or
@@ -29,7 +29,7 @@ class IncomingBlob {
 
  private:
   const int64_t max_bytes_;
-  ByteReservation reservation_;
+  MemoryReservation reservation_;
   std::string bytes_;
   uint64_t total_bytes_ = 0;
 };

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "cagefit/v1/fitting.pb.h"
 #include "core/base/status.h"
-#include "server/transport/byte_budget.h"
+#include "server/session/memory_account.h"
 
 namespace cagefit::server {
 
@@ -17,7 +17,7 @@ class OutgoingBlob {
  public:
   // Holds the result's bytes from `budget`, which must outlive it, until it is destroyed: a client
   // that reads slowly holds memory.
-  explicit OutgoingBlob(ByteBudget* budget) : reservation_(budget) {}
+  explicit OutgoingBlob(MemoryAccount* budget) : reservation_(budget) {}
 
   // Once. RESOURCE_EXHAUSTED without room in the budget.
   absl::Status Set(std::string bytes) {
@@ -38,7 +38,7 @@ class OutgoingBlob {
   bool is_sent() const { return sent_ == bytes_.size(); }
 
  private:
-  ByteReservation reservation_;
+  MemoryReservation reservation_;
   std::string bytes_;
   size_t sent_ = 0;
   v1::DataChunk chunk_;

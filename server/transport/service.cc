@@ -18,6 +18,7 @@
 #include "server/transport/fit_frames_call.h"
 #include "server/transport/get_replies_call.h"
 #include "server/transport/loss_convert.h"
+#include "server/transport/message_parts.h"
 #include "server/transport/session_convert.h"
 #include "server/transport/status_convert.h"
 
@@ -42,12 +43,11 @@ absl::Status Queue(const ServiceState& state, const grpc::CallbackServerContext&
 
 // Answers from a pool: `work` may take its time.
 grpc::ServerUnaryReactor* RunUnary(const ServiceState& state, grpc::CallbackServerContext* context,
-                                   const char* method, const google::protobuf::Message& request,
-                                   UnaryFn work) {
+                                   const char* method, int64_t request_bytes, UnaryFn work) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   const auto record = std::make_shared<CallRecord>(state, context, method);
   const absl::Status queued =
-      Queue(state, *context, static_cast<int64_t>(request.ByteSizeLong()),
+      Queue(state, *context, request_bytes,
             [reactor, context, record, work = std::move(work)](const PrincipalSessions& sessions) {
               reactor->Finish(
                   record->End(context->IsCancelled() ? CancelledCall(*context) : work(sessions)));
@@ -79,7 +79,24 @@ absl::StatusOr<ControlMesh> FindMesh(const SessionLedger& ledger,
   return ledger.LatestMesh();
 }
 
-absl::StatusOr<std::string> Surface(const PrincipalSessions& sessions,
+// What refining takes, and what is made of it, a triangle: rows of the stencils, the mesh, and the
+// coder's tables.
+constexpr int64_t kExportBytesPerTriangle = 400;
+
+// The memory for `levels` refinements, for as long as they take. Above the limit on triangles, it
+// is that which is refused.
+absl::StatusOr<MemoryReservation> ReserveExport(const ServiceState& state,
+                                                const PrincipalSessions& sessions,
+                                                const ControlMesh& mesh, uint32_t levels) {
+  MemoryReservation reservation(state.budget);
+  const int64_t triangles = int64_t{mesh.topology().triangle_count()} << (2 * std::min(levels, 5u));
+  if (triangles <= sessions.limits().max_surface_triangles) {
+    RETURN_IF_ERROR(reservation.Grow(kExportBytesPerTriangle * triangles));
+  }
+  return reservation;
+}
+
+absl::StatusOr<std::string> Surface(const ServiceState& state, const PrincipalSessions& sessions,
                                     const v1::GetSurfaceRequest& request) {
   ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request.session_id()));
   SurfaceExportOptions options;
@@ -94,16 +111,20 @@ absl::StatusOr<std::string> Surface(const PrincipalSessions& sessions,
   ASSIGN_OR_RETURN(const ControlMesh mesh, request.has_sequence_number()
                                                ? ledger->MeshOfFrame(request.sequence_number())
                                                : ledger->LatestMesh());
+  ASSIGN_OR_RETURN(const MemoryReservation memory,
+                   ReserveExport(state, sessions, mesh, options.levels));
   return ExportSurface(mesh, options);
 }
 
-absl::StatusOr<std::string> Stencils(const PrincipalSessions& sessions,
+absl::StatusOr<std::string> Stencils(const ServiceState& state, const PrincipalSessions& sessions,
                                      const v1::GetStencilsRequest& request) {
   ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request.session_id()));
   ASSIGN_OR_RETURN(const ControlMesh mesh, ledger->FinalTemplate());
   StencilExportOptions options;
   options.max_triangles = sessions.limits().max_surface_triangles;
   if (request.has_levels()) options.levels = request.levels();
+  ASSIGN_OR_RETURN(const MemoryReservation memory,
+                   ReserveExport(state, sessions, mesh, options.levels.value_or(1)));
   ASSIGN_OR_RETURN(const ExportedStencils stencils,
                    ExportStencils(mesh, ledger->config().fit.distance, options));
   return ToProto(stencils).SerializeAsString();
@@ -112,12 +133,24 @@ absl::StatusOr<std::string> Stencils(const PrincipalSessions& sessions,
 }  // namespace
 
 grpc::ServerUnaryReactor* FittingService::CreateSession(grpc::CallbackServerContext* context,
-                                                        const v1::CreateSessionRequest* request,
-                                                        v1::Session* session) {
-  return RunUnary(state_, context, "CreateSession", *request,
-                  [this, request, session](const PrincipalSessions& sessions) {
-                    return Create(state_, sessions, *request, session);
-                  });
+                                                        const grpc::ByteBuffer* request,
+                                                        grpc::ByteBuffer* session) {
+  return RunUnary(
+      state_, context, "CreateSession", static_cast<int64_t>(request->Length()),
+      [this, request, session](const PrincipalSessions& sessions) -> absl::Status {
+        grpc::Slice bytes;
+        if (!request->DumpToSingleSlice(&bytes).ok()) {
+          return absl::InternalError("request: no bytes");
+        }
+        v1::CreateSessionRequest parsed;
+        RETURN_IF_ERROR(ParseParts(
+            "request", {reinterpret_cast<const char*>(bytes.begin()), bytes.size()}, &parsed));
+        v1::Session created;
+        RETURN_IF_ERROR(Create(state_, sessions, parsed, &created));
+        const grpc::Slice reply(created.SerializeAsString());
+        *session = grpc::ByteBuffer(&reply, 1);
+        return absl::OkStatus();
+      });
 }
 
 grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFromStream(
@@ -125,10 +158,11 @@ grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFr
   return BlobReader::Start(
       state_, context, "CreateSessionFromStream",
       [this, session](const PrincipalSessions& sessions, const std::string& blob) {
+        // Of numbers of a byte each, parsing makes eight times as much.
+        MemoryReservation parsed(state_.budget);
+        RETURN_IF_ERROR(parsed.Grow(8 * static_cast<int64_t>(blob.size())));
         v1::CreateSessionRequest request;
-        if (!request.ParseFromString(blob)) {
-          return InvalidField("data", "not a CreateSessionRequest", "expected one, serialized");
-        }
+        RETURN_IF_ERROR(ParseParts("data", blob, &request));
         return Create(state_, sessions, request, session);
       });
 }
@@ -136,7 +170,7 @@ grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFr
 grpc::ServerUnaryReactor* FittingService::GetSession(grpc::CallbackServerContext* context,
                                                      const v1::GetSessionRequest* request,
                                                      v1::Session* session) {
-  return RunUnary(state_, context, "GetSession", *request,
+  return RunUnary(state_, context, "GetSession", static_cast<int64_t>(request->ByteSizeLong()),
                   [request, session](const PrincipalSessions& sessions) -> absl::Status {
                     ASSIGN_OR_RETURN(const auto ledger, sessions.Find(request->session_id()));
                     *session = ToProto(*ledger);
@@ -148,7 +182,7 @@ grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerConte
                                                        const v1::ListSessionsRequest* request,
                                                        v1::ListSessionsResponse* response) {
   return RunUnary(
-      state_, context, "ListSessions", *request,
+      state_, context, "ListSessions", static_cast<int64_t>(request->ByteSizeLong()),
       [request, response](const PrincipalSessions& sessions) -> absl::Status {
         const uint32_t size =
             request->page_size() == 0 ? kMaxPageSize : std::min(request->page_size(), kMaxPageSize);
@@ -171,7 +205,7 @@ grpc::ServerUnaryReactor* FittingService::ListSessions(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* FittingService::DeleteSession(grpc::CallbackServerContext* context,
                                                         const v1::DeleteSessionRequest* request,
                                                         google::protobuf::Empty*) {
-  return RunUnary(state_, context, "DeleteSession", *request,
+  return RunUnary(state_, context, "DeleteSession", static_cast<int64_t>(request->ByteSizeLong()),
                   [request](const PrincipalSessions& sessions) {
                     return sessions.Delete(request->session_id());
                   });
@@ -190,16 +224,18 @@ grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetControlMesh(
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetSurface(
     grpc::CallbackServerContext* context, const v1::GetSurfaceRequest* request) {
-  return BlobWriter::Start(
-      state_, context, "GetSurface",
-      [request](const PrincipalSessions& sessions) { return Surface(sessions, *request); });
+  return BlobWriter::Start(state_, context, "GetSurface",
+                           [this, request](const PrincipalSessions& sessions) {
+                             return Surface(state_, sessions, *request);
+                           });
 }
 
 grpc::ServerWriteReactor<v1::DataChunk>* FittingService::GetStencils(
     grpc::CallbackServerContext* context, const v1::GetStencilsRequest* request) {
-  return BlobWriter::Start(
-      state_, context, "GetStencils",
-      [request](const PrincipalSessions& sessions) { return Stencils(sessions, *request); });
+  return BlobWriter::Start(state_, context, "GetStencils",
+                           [this, request](const PrincipalSessions& sessions) {
+                             return Stencils(state_, sessions, *request);
+                           });
 }
 
 grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* FittingService::EvaluateLoss(

@@ -7,13 +7,15 @@
 
 namespace cagefit::server {
 
-class FittingService final : public v1::Fitting::CallbackService {
+class FittingService final
+    : public v1::Fitting::WithRawCallbackMethod_CreateSession<v1::Fitting::CallbackService> {
  public:
   explicit FittingService(ServiceState state) : state_(std::move(state)) {}
 
+  // In bytes: gRPC would parse a request of any number of parts.
   grpc::ServerUnaryReactor* CreateSession(grpc::CallbackServerContext* context,
-                                          const v1::CreateSessionRequest* request,
-                                          v1::Session* session) override;
+                                          const grpc::ByteBuffer* request,
+                                          grpc::ByteBuffer* session) override;
   grpc::ServerReadReactor<v1::CreateSessionChunk>* CreateSessionFromStream(
       grpc::CallbackServerContext* context, v1::Session* session) override;
   grpc::ServerUnaryReactor* GetSession(grpc::CallbackServerContext* context,

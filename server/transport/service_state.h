@@ -6,10 +6,10 @@
 
 #include <memory>
 
+#include "server/session/memory_account.h"
 #include "server/session/metrics.h"
 #include "server/session/scheduler.h"
 #include "server/transport/auth.h"
-#include "server/transport/byte_budget.h"
 #include "server/transport/stream_registry.h"
 
 namespace cagefit::server {
@@ -18,7 +18,7 @@ namespace cagefit::server {
 struct ServiceState {
   const Auth* auth = nullptr;  // every call enters by it
   Scheduler* scheduler = nullptr;
-  ByteBudget* budget = nullptr;
+  MemoryAccount* budget = nullptr;
   StreamRegistry* streams = nullptr;
   ClockFn clock;  // milliseconds
   std::shared_ptr<spdlog::logger> log;

@@ -202,6 +202,7 @@ v1::Session ToProto(const SessionLedger& ledger) {
   session.set_triangles(facts.triangles);
   session.set_stream_attached(facts.stream_attached);
   session.set_skipped_frames(facts.skipped_frames);
+  session.set_memory_bytes(static_cast<uint64_t>(facts.memory_bytes));
   return session;
 }
 

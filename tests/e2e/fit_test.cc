@@ -69,6 +69,26 @@ TEST(FitEndToEndTest, TheServerInsideGivesTheSameBits) {
   }
 }
 
+TEST(FitEndToEndTest, ALiveRigMayLetFramesBeSkipped) {
+  const std::string capture = Synth("blob", 24, 2'000);
+  const std::string cage = capture + "_cage.obj";
+  ASSERT_EQ(
+      RunCagefit({"template", capture + "/frame_0000.drc", "--vertices", "2000", "--out", cage})
+          .exit_code,
+      0);
+  const std::string out = EmptyFolder("fit_latest");
+  const ProgramResult fit = Fit(capture, out, {"--template", cage, "--latest", "--quick"});
+  EXPECT_EQ(fit.exit_code, 4) << fit.err;
+  const auto report = ReadJson(out + "/report.json");
+  const int skipped = report["total"]["skipped"], fitted = report["total"]["fitted"];
+  EXPECT_GT(skipped, 0) << "files come faster than 2,000 vertices are fitted";
+  EXPECT_GE(fitted, 2);
+  EXPECT_EQ(fitted + skipped, 24);
+  EXPECT_EQ(report["session"]["skipped_frames"], std::to_string(skipped));
+  EXPECT_EQ(report["frames"][23]["outcome"], "OUTCOME_FITTED") << "the last one always is";
+  EXPECT_EQ(ReadText(out + "/cage.obj"), ReadText(out + "/frames/0023.obj"));
+}
+
 // Few, noisy points; eight cameras, calibrated 2 pixels off, take masks of every third frame. What
 // the points leave open at the rims is known by masks, or by where the points end.
 TEST(FitEndToEndTest, MasksAndBoundariesKeepATubeFromDrifting) {

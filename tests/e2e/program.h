@@ -33,6 +33,7 @@ class RunningProgram {
   // The next line of its standard output; empty at the end.
   std::string ReadLine();
   void Signal(int signal) const;
+  pid_t pid() const { return pid_; }
   // Waits for its end; the exit code, or -1 when a signal ended it.
   int Wait();
   // Its largest resident memory so far.

@@ -75,6 +75,11 @@ TEST_F(ServerOptionsTest, DefaultsAreValid) {
   EXPECT_EQ(options.max_points, ServerOptions().max_points);
 }
 
+TEST_F(ServerOptionsTest, MemoryIsThatOfTheMachineOrEnoughToStartWith) {
+  EXPECT_EQ(ParseGood({"--max-memory=0"}).max_memory_mib, 0);
+  ExpectRefused({"--max-memory=255"}, "--max-memory is 255", "256 to 1048576");
+}
+
 TEST_F(ServerOptionsTest, EveryFlagArrives) {
   const ServerOptions o = ParseGood({"--listen=a:1",
                                      "--template-program=/p",
@@ -88,6 +93,7 @@ TEST_F(ServerOptionsTest, EveryFlagArrives) {
                                      "--max-history-mib=6",
                                      "--max-streams=7",
                                      "--max-buffered-mib=8",
+                                     "--max-memory=300",
                                      "--threads=9",
                                      "--fits=10",
                                      "--store=sqlite:/s",
@@ -115,6 +121,7 @@ TEST_F(ServerOptionsTest, EveryFlagArrives) {
   EXPECT_EQ(o.max_history_mib, 6);
   EXPECT_EQ(o.max_streams, 7);
   EXPECT_EQ(o.max_buffered_mib, 8);
+  EXPECT_EQ(o.max_memory_mib, 300);
   EXPECT_EQ(o.threads, 9);
   EXPECT_EQ(o.fits, 10);
   EXPECT_EQ(o.store, "sqlite:/s");

@@ -25,6 +25,7 @@ class Simulation {
       const std::string key = queue_.Take();
       Key& used = keys_.at(key);
       queue_.Charge(key, used.task_ms);
+      queue_.Expect(key, used.task_ms);
       queue_.Release(key);
       queue_.Add(key, used.priority);
       used.ms += used.task_ms;
@@ -171,7 +172,37 @@ TEST(FairQueueTest, ALiveKeyOvertakesABatchKeyThatRuns) {
   EXPECT_TRUE(queue.IsOvertaken("batch"));
 }
 
-TEST(FairQueueTest, ForgetsKeysThatOweNothing) {
+TEST(FairQueueTest, OfEqualsTheOneWithTheShorterTaskIsFirst) {
+  FairQueue queue;
+  for (const char* key : {"large", "small"}) {
+    queue.Add(key, Priority::kLive);
+    queue.Take();
+    queue.Expect(key, key == std::string("large") ? 2000 : 20);
+    queue.Release(key);
+  }
+  for (const char* key : {"large", "small"}) queue.Add(key, Priority::kLive);
+  EXPECT_THAT(TakeAll(&queue), ElementsAre("small", "large"));
+}
+
+// Cutting up equal fits would only let all of them end late.
+TEST(FairQueueTest, AKeyIsOvertakenByOneThatWillBeDoneSoonerNotByItsEqual) {
+  FairQueue queue;
+  for (const char* key : {"a", "b", "small"}) {
+    queue.Add(key, Priority::kLive);
+    queue.Take();
+    queue.Expect(key, key == std::string("small") ? 20 : 500);
+    queue.Release(key);
+  }
+  queue.Add("a", Priority::kLive);
+  queue.Take();
+  queue.Add("b", Priority::kLive);
+  queue.Charge("a", 400);
+  EXPECT_FALSE(queue.IsOvertaken("a"));
+  queue.Add("small", Priority::kLive);
+  EXPECT_TRUE(queue.IsOvertaken("a"));
+}
+
+TEST(FairQueueTest, ForgetsTheKeysThatOweLeast) {
   FairQueue queue;
   for (int k = 0; k < 20'000; ++k) {
     const std::string key = absl::StrCat(k);

@@ -6,6 +6,8 @@
 #include <optional>
 #include <set>
 
+#include "core/base/status.h"
+#include "server/session/session_memory.h"
 #include "tests/server/session/session_fixture.h"
 #include "tests/support/masks.h"
 
@@ -204,6 +206,88 @@ TEST_F(SessionStoreTest, CamerasWithTooManyPixelsAreExhaustion) {
   const absl::Status status = store.Create(Principal(), config, absl::UnixEpoch()).status();
   EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
   EXPECT_EQ(DetailOf(status)->value, "36");
+}
+
+// ---- Memory ----
+
+class SessionMemoryTest : public SessionStoreTest {
+ protected:
+  // Room for `models` models of the test's cage and frames.
+  SessionStore StoreFor(int models) {
+    account_.emplace("memory of sessions", models * ModelBytes(CageConfig(), 42, 500) + (1 << 20));
+    SessionStore::Limits limits;
+    limits.memory = &*account_;
+    return MakeStore(limits);
+  }
+  std::string Create(SessionStore* store) {
+    return (*store->Create(CageConfig(), absl::UnixEpoch()))->id();
+  }
+  // Fits the next frame.
+  static absl::Status Fit(SessionStore* store, const std::string& id) {
+    ASSIGN_OR_RETURN(const auto opened, store->OpenStream(id, [](const absl::Status&) {}));
+    ASSIGN_OR_RETURN(SessionLease lease, store->Lease(id));
+    RETURN_IF_ERROR(lease.Reserve(SessionLease::Work::kFit, 500));
+    return lease
+        ->Answer(testing::MovingFrame(opened.opening.next_sequence_number), opened.opening.epoch,
+                 nullptr)
+        .status();
+  }
+  static int64_t BytesOf(SessionStore* store, const std::string& id) {
+    return (*store->Find(id))->Facts().memory_bytes;
+  }
+
+  std::optional<MemoryAccount> account_;
+};
+
+TEST_F(SessionMemoryTest, ASessionHoldsMoreOnceItHasAModelAndNothingOnceItIsGone) {
+  SessionStore store = StoreFor(1);
+  const std::string id = Create(&store);
+  const int64_t idle = account_->taken();
+  EXPECT_GT(idle, 0);
+  EXPECT_EQ(BytesOf(&store, id), idle);
+  ASSERT_EQ(Fit(&store, id), absl::OkStatus());
+  EXPECT_GT(account_->taken(), idle + ModelBytes(CageConfig(), 42, 500) / 2);
+  EXPECT_EQ(BytesOf(&store, id), account_->taken());
+  ASSERT_TRUE(store.Delete(id).ok());
+  EXPECT_EQ(account_->taken(), 0);
+}
+
+TEST_F(SessionMemoryTest, AFitTakesItsMemoryFromTheModelThatWasUsedLeastRecently) {
+  SessionStore store = StoreFor(2);
+  const std::string a = Create(&store), b = Create(&store), c = Create(&store);
+  for (const std::string& id : {a, b, c}) ASSERT_EQ(Fit(&store, id), absl::OkStatus());
+  const int64_t model = ModelBytes(CageConfig(), 42, 500);
+  EXPECT_LT(BytesOf(&store, a), model);
+  EXPECT_GE(BytesOf(&store, c), model);
+  EXPECT_FALSE((*store.Lease(a))->has_model());
+  EXPECT_TRUE((*store.Lease(c))->has_model());
+  ASSERT_EQ(Fit(&store, a), absl::OkStatus()) << "it gets another one";
+}
+
+TEST_F(SessionMemoryTest, AModelInUseIsNotTaken) {
+  SessionStore store = StoreFor(1);
+  const std::string a = Create(&store), b = Create(&store);
+  ASSERT_EQ(Fit(&store, a), absl::OkStatus());
+  {
+    const auto lease = store.Lease(a);
+    ASSERT_TRUE(lease.ok());
+    const absl::Status refused = Fit(&store, b);
+    EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
+    EXPECT_EQ(DetailOf(refused)->field, "memory of sessions");
+    EXPECT_GT(DetailOf(refused)->retry_after, absl::ZeroDuration());
+  }
+  EXPECT_EQ(Fit(&store, b), absl::OkStatus());
+}
+
+TEST_F(SessionMemoryTest, ASessionThatHasNoRoomIsNotCreated) {
+  account_.emplace("memory of sessions", 1000);
+  SessionStore::Limits limits;
+  limits.memory = &*account_;
+  SessionStore store = MakeStore(limits);
+  const auto refused = store.Create(CageConfig(), absl::UnixEpoch());
+  EXPECT_TRUE(absl::IsResourceExhausted(refused.status())) << refused.status();
+  EXPECT_EQ(journal_.Count().value(), 0);
+  EXPECT_EQ(account_->taken(), 0);
 }
 
 }  // namespace

@@ -699,5 +699,21 @@ TEST(SessionTest, FramesAreSkippedInOrderAndByTheStreamThatIsOpen) {
   EXPECT_EQ(session.ledger->Facts().next_sequence_number, 0u);
 }
 
+// ---- Models that were dropped ----
+
+TEST(SessionTest, ASessionWhoseModelWasDroppedGoesOnWithTheSameBits) {
+  OpenSession session(CageConfig()), other(CageConfig());
+  for (uint64_t number = 0; number < 5; ++number) {
+    session.session.DropModel();
+    EXPECT_FALSE(session.session.has_model());
+    const auto answer = session.Answer(MovingFrame(number));
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    EXPECT_EQ(answer->frame->delta.key, number == 0);
+    ASSERT_TRUE(other.Answer(MovingFrame(number)).ok());
+    EXPECT_EQ(session.Vertices(number), other.Vertices(number));
+    EXPECT_EQ(session.Stored(number).delta.checksum, other.Stored(number).delta.checksum);
+  }
+}
+
 }  // namespace
 }  // namespace cagefit::server

@@ -205,13 +205,18 @@ class HeldFits {
  public:
   HeldFits(TestService* service, const std::string& session_id) {
     EXPECT_TRUE(service->scheduler.fits
-                    .Run(session_id, [held = let_go_.get_future().share()] { held.wait(); })
+                    .Run(session_id,
+                         [this, held = let_go_.get_future().share()] {
+                           holds_.set_value();
+                           held.wait();
+                         })
                     .ok());
+    holds_.get_future().wait();
   }
   ~HeldFits() { let_go_.set_value(); }
 
  private:
-  std::promise<void> let_go_;
+  std::promise<void> holds_, let_go_;
 };
 
 // Until a condition holds, which it must before long.

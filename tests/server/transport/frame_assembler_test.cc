@@ -45,7 +45,7 @@ class FrameAssemblerTest : public ::testing::Test {
     EXPECT_EQ(absl::IsInvalidArgument(status), reason != "LIMIT_EXCEEDED") << status;
   }
 
-  ByteBudget budget_{4 << 20};
+  MemoryAccount budget_{4 << 20};
   FrameAssembler assembler_{3 << 20, &budget_};
 };
 

@@ -13,7 +13,7 @@ class IncomingBlobTest : public ::testing::Test {
     EXPECT_EQ(absl::IsResourceExhausted(status), DetailOf(status)->reason == "LIMIT_EXCEEDED");
   }
 
-  ByteBudget budget_{1000};
+  MemoryAccount budget_{1000};
 };
 
 TEST_F(IncomingBlobTest, PutsChunksTogetherAndHoldsTheirShareOfTheBudget) {

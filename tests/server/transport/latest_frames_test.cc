@@ -5,8 +5,8 @@
 namespace cagefit::server {
 namespace {
 
-std::shared_ptr<ReceivedFrame> FrameOf(uint64_t number, ByteBudget* budget) {
-  auto received = std::make_shared<ReceivedFrame>(ReceivedFrame{Frame(), ByteReservation(budget)});
+std::shared_ptr<ReceivedFrame> FrameOf(uint64_t number, MemoryAccount* budget) {
+  auto received = std::make_shared<ReceivedFrame>(ReceivedFrame{Frame(), MemoryReservation(budget)});
   EXPECT_TRUE(received->reservation.Grow(100).ok());
   received->frame.sequence_number = number;
   received->frame.digest[0] = static_cast<uint8_t>(number);
@@ -14,7 +14,7 @@ std::shared_ptr<ReceivedFrame> FrameOf(uint64_t number, ByteBudget* budget) {
 }
 
 TEST(LatestFramesTest, KeepsTheNewestAndWhatTheOthersAnswersNeed) {
-  ByteBudget budget(1000);
+  MemoryAccount budget("in flight", 1000);
   LatestFrames frames;
   for (uint64_t number = 5; number < 8; ++number) frames.Put(FrameOf(number, &budget));
   EXPECT_EQ(budget.taken(), 100) << "of the newest alone";
@@ -29,7 +29,7 @@ TEST(LatestFramesTest, KeepsTheNewestAndWhatTheOthersAnswersNeed) {
 }
 
 TEST(LatestFramesTest, HasNothingOnceTaken) {
-  ByteBudget budget(1000);
+  MemoryAccount budget("in flight", 1000);
   LatestFrames frames;
   frames.Put(FrameOf(0, &budget));
   frames.Take();

@@ -6,7 +6,7 @@ namespace cagefit::server {
 namespace {
 
 TEST(OutgoingBlobTest, GoesInChunksOfAtMostAMebibyteThatTellTheTotal) {
-  ByteBudget budget(4 << 20);
+  MemoryAccount budget(4 << 20);
   {
     OutgoingBlob blob(&budget);
     std::string whole((5 << 19) + 7, 'x');
@@ -29,7 +29,7 @@ TEST(OutgoingBlobTest, GoesInChunksOfAtMostAMebibyteThatTellTheTotal) {
 }
 
 TEST(OutgoingBlobTest, AnEmptyResultIsOneChunk) {
-  ByteBudget budget(10);
+  MemoryAccount budget("in flight", 10);
   OutgoingBlob blob(&budget);
   ASSERT_TRUE(blob.Set("").ok());
   EXPECT_EQ(blob.Next()->total_bytes(), 0u);
@@ -37,7 +37,7 @@ TEST(OutgoingBlobTest, AnEmptyResultIsOneChunk) {
 }
 
 TEST(OutgoingBlobTest, NeedsRoomInTheBudget) {
-  ByteBudget budget(10);
+  MemoryAccount budget("in flight", 10);
   OutgoingBlob blob(&budget);
   EXPECT_TRUE(absl::IsResourceExhausted(blob.Set("eleven char")));
 }

@@ -62,7 +62,7 @@ struct TestService {
   MemoryJournal journal;
   SessionStore store;
   Auth auth{&store, /*tokens=*/nullptr};
-  ByteBudget budget;
+  MemoryAccount budget;
   StreamRegistry streams;
   Scheduler scheduler;
   Metrics metrics;

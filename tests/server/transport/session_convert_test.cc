@@ -55,6 +55,7 @@ v1::SessionOptions UnusualOptions() {
   options.set_quantum(1e-3);
   options.set_delta_encoding(v1::DELTA_ENCODING_DRACO);
   options.set_key_interval(5);
+  options.set_priority(v1::PRIORITY_BATCH);
   options.set_tolerance(0.003);
   options.set_max_vertices(500);
   *options.add_cameras() = UnusualCamera("left");
