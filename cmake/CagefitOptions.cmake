@@ -24,3 +24,8 @@ if(CAGEFIT_SANITIZE)
   # The sanitizer's allocator aligns to 16 bytes; Eigen must not add a second alignment scheme that Ceres lacks.
   add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
+
+if(CAGEFIT_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+  add_link_options(-fsanitize=fuzzer-no-link)
+endif()

@@ -1,5 +1,6 @@
 // cagefitd: serves until SIGTERM or SIGINT, then drains; a second signal ends it at once.
 #include <errno.h>
+#include <google/protobuf/stubs/logging.h>
 #include <malloc.h>
 #include <semaphore.h>
 #include <signal.h>
@@ -110,6 +111,8 @@ int main(int argc, char** argv) try {
   SetUpAllocator();
   // gRPC writes to standard error for itself; what matters comes as a status.
   setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
+  // Nor may a client write there, line by line, with strings that are not UTF-8.
+  google::protobuf::SetLogHandler(nullptr);
   const cagefit::server::ParsedServerOptions parsed =
       cagefit::server::ParseServerOptions(argc, argv);
   if (parsed.exit_code.has_value()) return *parsed.exit_code;

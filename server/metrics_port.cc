@@ -105,7 +105,7 @@ std::vector<MetricFamily> FrameFamilies(const Metrics& m) {
 }
 
 std::vector<MetricFamily> ServerFamilies(const ServiceState& state, const Readiness& readiness,
-                                         double uptime_seconds) {
+                                         double uptime_seconds, int64_t sessions) {
   const auto number = [](int64_t value) { return static_cast<double>(value); };
   const Scheduler& pools = *state.scheduler;
   return {Gauges("cagefit_build_info", "1; the labels say what runs.",
@@ -113,8 +113,7 @@ std::vector<MetricFamily> ServerFamilies(const ServiceState& state, const Readin
           Gauges("cagefit_uptime_seconds", "Since the server began to serve.", {{uptime_seconds}}),
           Gauges("cagefit_ready", "1 while the server is ready for work, as its health says.",
                  {{readiness.is_ready() ? 1.0 : 0.0}}),
-          Gauges("cagefit_sessions", "Sessions in the store.",
-                 {{number(state.metrics->stored_sessions)}}),
+          Gauges("cagefit_sessions", "Sessions in the store.", {{number(sessions)}}),
           Gauges("cagefit_streams", "Open streams of frames.", {{number(state.streams->size())}}),
           Gauges("cagefit_queue_depth", "Tasks that wait for a thread, by pool.",
                  {{number(pools.queries.queued()), {{"pool", "queries"}}},
@@ -127,8 +126,8 @@ std::vector<MetricFamily> ServerFamilies(const ServiceState& state, const Readin
 }
 
 std::string MetricsText(const ServiceState& state, const Readiness& readiness,
-                        double uptime_seconds) {
-  std::vector<MetricFamily> families = ServerFamilies(state, readiness, uptime_seconds);
+                        double uptime_seconds, int64_t sessions) {
+  std::vector<MetricFamily> families = ServerFamilies(state, readiness, uptime_seconds, sessions);
   for (MetricFamily& family : FrameFamilies(*state.metrics)) families.push_back(std::move(family));
   return prometheus::TextSerializer().Serialize(families);
 }
@@ -137,12 +136,14 @@ std::string MetricsText(const ServiceState& state, const Readiness& readiness,
 
 absl::StatusOr<std::unique_ptr<HttpPort>> OpenMetricsPort(const std::string& address,
                                                           const ServiceState& state,
-                                                          const Readiness& readiness) {
-  return HttpPort::Open(address, {"/metrics", "text/plain; version=0.0.4; charset=utf-8",
-                                  [state, &readiness, start_ms = state.clock()] {
-                                    return MetricsText(state, readiness,
-                                                       (state.clock() - start_ms) / 1e3);
-                                  }});
+                                                          const Readiness& readiness,
+                                                          std::function<int64_t()> sessions) {
+  return HttpPort::Open(
+      address, {"/metrics", "text/plain; version=0.0.4; charset=utf-8",
+                [state, &readiness, sessions = std::move(sessions), start_ms = state.clock()] {
+                  return MetricsText(state, readiness, (state.clock() - start_ms) / 1e3,
+                                     sessions());
+                }});
 }
 
 }  // namespace cagefit::server

@@ -2,6 +2,8 @@
 #ifndef CAGEFIT_SERVER_METRICS_PORT_H_
 #define CAGEFIT_SERVER_METRICS_PORT_H_
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -12,11 +14,12 @@
 
 namespace cagefit::server {
 
-// Everything is read anew for each scrape; what `state` points to and `readiness` must outlive the
-// port. Errors as of HttpPort::Open.
+// `sessions` counts those of the store. Everything is read anew for each scrape; what `state`
+// points to and `readiness` must outlive the port. Errors as of HttpPort::Open.
 absl::StatusOr<std::unique_ptr<HttpPort>> OpenMetricsPort(const std::string& address,
                                                           const ServiceState& state,
-                                                          const Readiness& readiness);
+                                                          const Readiness& readiness,
+                                                          std::function<int64_t()> sessions);
 
 }  // namespace cagefit::server
 

@@ -165,7 +165,9 @@ absl::Status Server::Parts::Listen(const ServerOptions& options) {
                            {&plain_health}, Reflection::kOff, quota_bytes));
   }
   if (!options.metrics_listen.empty()) {
-    ASSIGN_OR_RETURN(metrics_port, OpenMetricsPort(options.metrics_listen, state, readiness));
+    ASSIGN_OR_RETURN(metrics_port,
+                     OpenMetricsPort(options.metrics_listen, state, readiness,
+                                     [this] { return journal->Count().value_or(0); }));
   }
   return absl::OkStatus();
 }
@@ -176,9 +178,7 @@ void Server::Parts::KeepHouse(const ServerOptions& options) {
     housekeeping_options.time_to_live = absl::Seconds(options.session_ttl_seconds);
   }
   const auto see_store = [this](const absl::Status& status) {
-    if (!status.ok()) return readiness.Set("store");
-    readiness.Clear("store");
-    metrics.stored_sessions = journal->Count().value_or(metrics.stored_sessions);
+    status.ok() ? readiness.Clear("store") : readiness.Set("store");
   };
   housekeeping.emplace(housekeeping_options, journal.get(), &*store, see_store, log);
 }

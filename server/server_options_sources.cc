@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sstream>
@@ -102,7 +103,7 @@ absl::Status AddFile(const CLI::App& app, CommandLine* line) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
-  if (!file.is_open() || text.bad()) {
+  if (!file.is_open() || text.bad() || std::filesystem::is_directory(path)) {
     return absl::NotFoundError(absl::StrCat("--config is ", path, ", which cannot be read"));
   }
   auto settings = ParseSettings(text.str());

@@ -71,8 +71,8 @@ absl::StatusOr<FitInput> OpenInput(const FitArguments& arguments) {
 int ExitCodeOf(const FitReport& report) {
   const FitTotals totals = Totals(report);
   if (totals.fitted == 0) return kFailed;
-  const bool all =
-      totals.refused + totals.unanswered + totals.lost == 0 && !totals.beyond_tolerance;
+  const bool all = totals.skipped + totals.refused + totals.unanswered + totals.lost == 0 &&
+                   !totals.beyond_tolerance;
   return all ? kDone : kPartlyDone;
 }
 

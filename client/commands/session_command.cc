@@ -132,7 +132,7 @@ void AddSessionCommand(CLI::App* app, Run* run) {
   pull->add_flag("--surface", arguments->surface, "The refined limit surface")
       ->excludes(start)
       ->excludes(frames);
-  pull->final_callback([out, frames] {
+  pull->parse_complete_callback([out, frames] {
     if (*out || *frames) return;
     throw CLI::RequiredError("--out FILE or --frames FOLDER");
   });

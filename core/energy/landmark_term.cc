@@ -35,7 +35,7 @@ absl::Status CheckLandmarks(const std::vector<Landmark>& landmarks, int64_t vert
                  absl::StrFormat(".triangle is %d; the mesh has %d triangles", at.face, triangles));
     }
     if (!(at.u >= 0 && at.v >= 0 && at.u + at.v <= 1)) {
-      return Bad(l, absl::StrFormat(": (u, v) is (%g, %g), outside the triangle", at.u, at.v));
+      return Bad(l, absl::StrFormat(".surface is (%g, %g); outside the triangle", at.u, at.v));
     }
   }
   return absl::OkStatus();

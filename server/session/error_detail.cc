@@ -1,8 +1,11 @@
 #include "server/session/error_detail.h"
 
+#include <utility>
+
 #include "absl/strings/cord.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 
 namespace cagefit::server {
 namespace {
@@ -56,6 +59,14 @@ absl::Status InvalidField(const std::string& field, const std::string& value,
                           const std::string& expected) {
   return WithDetail(absl::InvalidArgumentError(absl::StrCat(field, " is ", value, "; ", expected)),
                     {"INVALID_FIELD", field, value, ""});
+}
+
+absl::Status InvalidFieldIn(const std::string& prefix, absl::string_view message) {
+  const std::pair<absl::string_view, absl::string_view> parts =
+      absl::StrSplit(message, absl::MaxSplits(" is ", 1));
+  const absl::string_view value = parts.second.substr(0, parts.second.find(';'));
+  return WithDetail(absl::InvalidArgumentError(absl::StrCat(prefix, message)),
+                    {"INVALID_FIELD", absl::StrCat(prefix, parts.first), std::string(value), ""});
 }
 
 }  // namespace cagefit::server

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 
 namespace cagefit::server {
@@ -33,6 +34,10 @@ absl::Status LimitExceeded(const std::string& field, uint64_t value, int64_t lim
 // INVALID_ARGUMENT, reason INVALID_FIELD: "`field` is `value`; `expected`".
 absl::Status InvalidField(const std::string& field, const std::string& value,
                           const std::string& expected);
+
+// As InvalidField, of a check in core: `message` is "FIELD is VALUE" or "FIELD is VALUE; EXPECTED",
+// and `prefix` what the field stands in.
+absl::Status InvalidFieldIn(const std::string& prefix, absl::string_view message);
 
 }  // namespace cagefit::server
 

@@ -66,7 +66,6 @@ struct Metrics {
   // Of frames that were fitted, and the first two of rejected ones, too.
   LatencyHistogram queue, decode, template_making, index, solve, measure, encode;
   LatencyHistogram store_seconds;  // commits of answers to the session store
-  std::atomic<int64_t> stored_sessions{0};
 
   // A frame that was answered.
   void CountFrame(const FrameAnswer& answer);

@@ -76,9 +76,7 @@ absl::Status CheckLandmarks(const Frame& frame, const ControlMesh& mesh) {
   const absl::Status status =
       cagefit::CheckLandmarks(frame.landmarks, mesh.vertex_count(), mesh.triangles().cols());
   if (status.ok()) return status;
-  return WithDetail(
-      absl::InvalidArgumentError(absl::StrCat(frame.header_field, ".", status.message())),
-      {"INVALID_FIELD", absl::StrCat(frame.header_field, ".landmarks"), "", ""});
+  return InvalidFieldIn(absl::StrCat(frame.header_field, "."), status.message());
 }
 
 absl::Status PoisonFrame(uint64_t number) {

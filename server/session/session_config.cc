@@ -4,7 +4,9 @@
 #include <set>
 #include <string>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
 
@@ -33,6 +35,17 @@ absl::Status CheckTolerance(const ToleranceOptions& tolerance) {
                       "expected 0 (off), or 1e-6 to 0.1");
 }
 
+// Core calls pose and cameras by other names than a request.
+absl::Status InvalidCamera(const std::string& prefix, const std::string& name,
+                           absl::string_view message) {
+  absl::ConsumePrefix(&message, absl::StrCat("camera \"", name, "\": "));
+  const std::string what =
+      absl::StartsWith(message, "R is ")   ? absl::StrCat("rotation", message.substr(1))
+      : absl::StartsWith(message, "t is ") ? absl::StrCat("translation", message.substr(1))
+                                           : std::string(message);
+  return InvalidFieldIn(prefix, what);
+}
+
 absl::Status CheckCameras(const std::vector<Camera>& cameras) {
   if (cameras.size() > SessionConfig::kMaxCameras) {
     return InvalidField("options.cameras", absl::StrCat(cameras.size(), " long"),
@@ -51,9 +64,7 @@ absl::Status CheckCameras(const std::vector<Camera>& cameras) {
                           "another camera has it");
     }
     const absl::Status valid = cameras[k].Validate();
-    if (valid.ok()) continue;
-    return WithDetail(absl::InvalidArgumentError(absl::StrCat(field, ": ", valid.message())),
-                      {"INVALID_FIELD", field, name, ""});
+    if (!valid.ok()) return InvalidCamera(field + ".", name, valid.message());
   }
   return absl::OkStatus();
 }
@@ -80,9 +91,7 @@ absl::Status SessionConfig::Validate() const {
   if (!control_mesh.has_value()) RETURN_IF_ERROR(CheckRequest(make_template));
   if (tolerance.has_value()) RETURN_IF_ERROR(CheckTolerance(*tolerance));
   const absl::Status fit_status = fit.Validate();
-  if (!fit_status.ok()) {
-    return WithDetail(fit_status, {"INVALID_FIELD", "options.fit", "", ""});
-  }
+  if (!fit_status.ok()) return InvalidFieldIn("options.fit.", fit_status.message());
   return absl::OkStatus();
 }
 

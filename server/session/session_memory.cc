@@ -26,7 +26,7 @@ int64_t IdleSessionBytes(const SessionConfig& config, int32_t vertices) {
 
 int64_t ModelBytes(const SessionConfig& config, int32_t vertices, int64_t points) {
   const int64_t per_vertex = config.fit.solver.solver == Solver::kCeres ? 46'000 : 16'000;
-  return per_vertex * vertices + 200 * points + std::min<int64_t>(800 * points, 8 << 20) +
+  return per_vertex * vertices + 200 * points + std::min<int64_t>(800 * points, 9 << 20) +
          ImageBytes(config);
 }
 

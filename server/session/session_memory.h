@@ -18,7 +18,7 @@ int64_t IdleSessionBytes(const SessionConfig& config, int32_t vertices);
 // Of the model, which a session gets with its first fit and keeps: what follows from connectivity,
 // and buffers of the size of its largest frame.
 //
-//   16,000 n + 200 p + min(800 p, 8 MiB) + 150 pixels      p points of the frame, pixels of the
+//   16,000 n + 200 p + min(800 p, 9 MiB) + 150 pixels      p points of the frame, pixels of the
 //                                                          images that are compared
 //   with Ceres: 30,000 n more; in PYTORCH3D's mode: 16 bytes more a face and pixel
 int64_t ModelBytes(const SessionConfig& config, int32_t vertices, int64_t points);

@@ -46,9 +46,11 @@ absl::StatusOr<std::vector<Landmark>> LandmarksFromProto(
     if (proto.place_case() == v1::Landmark::PLACE_NOT_SET) {
       return InvalidField(absl::StrCat(element, ".place"), "not set", "vertex or surface");
     }
-    if (std::max(proto.vertex(), surface.triangle()) > kMost) {
-      return InvalidField(element, absl::StrCat(std::max(proto.vertex(), surface.triangle())),
-                          "no mesh has as many vertices or triangles");
+    const uint32_t index = std::max(proto.vertex(), surface.triangle());  // the other is 0
+    if (index > kMost) {
+      return InvalidField(
+          absl::StrCat(element, proto.has_vertex() ? ".vertex" : ".surface.triangle"),
+          absl::StrCat(index), "no mesh has as many");
     }
     if (proto.has_vertex()) {
       landmark.vertex = static_cast<int32_t>(proto.vertex());
@@ -84,6 +86,7 @@ absl::Status FrameAssembler::Begin(const v1::FrameHeader& header) {
   RETURN_IF_ERROR(CheckBetweenFrames());
   RETURN_IF_ERROR(CheckEncoding("header.encoding", header.encoding()));
   RETURN_IF_ERROR(CheckFrameBytes("header.total_bytes", header.total_bytes(), max_frame_bytes_));
+  RETURN_IF_ERROR(CheckTimestamp("header.timestamp", header.timestamp()));
   ASSIGN_OR_RETURN(std::vector<Landmark> landmarks,
                    LandmarksFromProto("header.landmarks", header.landmarks()));
   ReceivedFrame received{Frame(), MemoryReservation(budget_)};

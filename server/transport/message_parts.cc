@@ -58,7 +58,9 @@ absl::Status ParseParts(const char* field, absl::string_view bytes,
                         "no request has as many");
   }
   if (message->ParseFromArray(bytes.data(), size)) return absl::OkStatus();
-  return InvalidField(field, absl::StrCat("not a ", message->GetDescriptor()->name()),
+  const std::string& name = message->GetDescriptor()->name();
+  const bool has_vowel = absl::string_view("AEIOU").find(name.front()) != absl::string_view::npos;
+  return InvalidField(field, absl::StrCat(has_vowel ? "not an " : "not a ", name),
                       "expected one, serialized");
 }
 

@@ -79,8 +79,11 @@ grpc_ssl_certificate_config_reload_status TlsCredentials::Fetch(
   std::shared_ptr<const TlsIdentity> identity = port->files->identity();
   if (identity == port->identity) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
   const grpc_ssl_pem_key_cert_pair pair = {identity->key.c_str(), identity->certificates.c_str()};
-  *config = grpc_ssl_server_certificate_config_create(
-      identity->client_roots.empty() ? nullptr : identity->client_roots.c_str(), &pair, 1);
+  // gRPC aborts without roots (1.51.1). Where clients are not asked for a certificate, they are not
+  // looked at.
+  const std::string& roots =
+      identity->client_roots.empty() ? identity->certificates : identity->client_roots;
+  *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
   port->identity = std::move(identity);
   return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
 }

@@ -39,17 +39,17 @@ TEST(TokenProgramTest, ATokenOpensTheServerItsLineIsGivenTo) {
   ASSERT_EQ(
       RunCagefit({"synth", "blob", "--out", folder, "--frames", "1", "--points", "500"}).exit_code,
       0);
-  const ProgramResult fitted = RunCagefit(
-      {"fit", folder + "/frames", "--template", folder + "/cage.obj", "--out", folder + "/fit",
-       "--server", server.address(), "--token-file", token_file, "--keep-session"});
+  const ProgramResult fitted =
+      RunCagefit({"fit", folder + "/frame_0000.drc", "--vertices", "100", "--out", folder + "/fit",
+                  "--server", server.address(), "--token-file", token_file, "--keep-session"});
   EXPECT_EQ(fitted.exit_code, 0) << fitted.err;
   const std::string secret = token.substr(0, token.size() - 1);
   EXPECT_THAT(ReadText(folder + "/fit/report.json"), Not(HasSubstr(secret)));
   EXPECT_THAT(fitted.out + fitted.err, Not(HasSubstr(secret)));
 
   const ProgramResult second =
-      RunCagefit({"fit", folder + "/frames", "--template", folder + "/cage.obj", "--out",
-                  folder + "/fit2", "--server", server.address(), "--token-file", token_file});
+      RunCagefit({"fit", folder + "/frame_0000.drc", "--vertices", "100", "--out", folder + "/fit2",
+                  "--server", server.address(), "--token-file", token_file});
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_THAT(second.err, HasSubstr("sessions of north is 2; the limit is 1"));
 }

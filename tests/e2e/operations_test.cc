@@ -78,7 +78,7 @@ struct BusyStream {
     stream = client->OpenStream(client->CreateSession(request)->session_id()).value();
     sender = std::thread([this] {
       client::OutgoingFrame frame;
-      frame.draco = FrameBytes(MovingCloud(0, 2000));
+      frame.draco = FrameBytes(MovingCloud(0));
       for (; stream->Send(frame).ok(); ++frame.sequence_number) ++sent;
     });
     receiver = std::thread([this] {

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -114,15 +115,27 @@ int64_t RunningProgram::PeakMiB() const {
   return kib / 1024;
 }
 
+namespace {
+
+// What is not among `arguments` is as tests want it.
+std::vector<std::string> WithDefaults(const std::vector<std::string>& arguments) {
+  std::vector<std::string> all = arguments;
+  const std::pair<std::string, std::string> defaults[] = {
+      {"--listen", "127.0.0.1:0"}, {"--log-level", "warning"}, {"--store", "memory"}};
+  for (const auto& [flag, value] : defaults) {
+    const bool is_given = std::any_of(arguments.begin(), arguments.end(),
+                                      [&flag = flag](const std::string& argument) {
+                                        return argument.substr(0, argument.find('=')) == flag;
+                                      });
+    if (!is_given) all.insert(all.end(), {flag, value});
+  }
+  return all;
+}
+
+}  // namespace
+
 ServerProgram::ServerProgram(const std::vector<std::string>& arguments)
-    : program_(CAGEFITD_PROGRAM, [&] {
-        std::vector<std::string> all = {"--listen", "127.0.0.1:0", "--log-level", "warning"};
-        const bool has_store =
-            std::find(arguments.begin(), arguments.end(), "--store") != arguments.end();
-        if (!has_store) all.insert(all.end(), {"--store", "memory"});
-        all.insert(all.end(), arguments.begin(), arguments.end());
-        return all;
-      }()) {
+    : program_(CAGEFITD_PROGRAM, WithDefaults(arguments)) {
   const std::string line = program_.ReadLine();
   address_ = line.substr(line.rfind(' ') + 1);
 }

@@ -44,7 +44,7 @@ class RunningProgram {
   int out_ = -1;
 };
 
-// cagefitd on a free port; with its sessions in memory unless a --store is given.
+// cagefitd on a free port, with its sessions in memory, unless the arguments say otherwise.
 class ServerProgram {
  public:
   explicit ServerProgram(const std::vector<std::string>& arguments = {});

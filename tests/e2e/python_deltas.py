@@ -67,7 +67,7 @@ def main(folder):
     frames = [path.read_bytes() for path in sorted(pathlib.Path(folder).glob("frame_*.drc"))]
     cage_path = pathlib.Path(folder) / "cage.obj"
     subprocess.run([cagefit, "template", f"{folder}/truth/frame_0000.ply", "--vertices", "60", "--out", str(cage_path)], check=True)
-    with subprocess.Popen([cagefitd, "--listen", "127.0.0.1:0", "--log-level", "off"], stdout=subprocess.PIPE, text=True) as server:
+    with subprocess.Popen([cagefitd, "--listen", "127.0.0.1:0", "--log-level", "off", "--store", "memory"], stdout=subprocess.PIPE, text=True) as server:
         try:
             check(server.stdout.readline().split()[-1], frames, read_cage(cage_path))
         finally:

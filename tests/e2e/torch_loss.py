@@ -75,7 +75,7 @@ def main(folder):
     run(cagefit, "synth", "blob", "--out", folder, "--frames", 2, "--points", 3000)
     run(cagefit, "template", folder / "truth/frame_0000.ply", "--vertices", 40, "--out", folder / "cage.obj")
     frame = folder / "frame_0001.drc"
-    with subprocess.Popen([cagefitd, "--listen", "127.0.0.1:0", "--log-level", "off"], stdout=subprocess.PIPE, text=True) as server:
+    with subprocess.Popen([cagefitd, "--listen", "127.0.0.1:0", "--log-level", "off", "--store", "memory"], stdout=subprocess.PIPE, text=True) as server:
         try:
             address = server.stdout.readline().split()[-1]
             check(grpc.insecure_channel(address), cagefit_torch.read_obj(folder / "cage.obj"), frame.read_bytes())

@@ -232,7 +232,7 @@ TEST_F(CredentialsTest, NoTokenGetsIntoTheLog) {
   std::ofstream(folder_.path() + "/tokens") << "north not-a-digest\n";
   ASSERT_TRUE(log_.WaitFor("the old ones stay in force"));
   const std::string log = log_.All();
-  EXPECT_THAT(log, HasSubstr("session="));
+  EXPECT_THAT(log, HasSubstr("method=FitFrames"));
   for (const char* secret : {"Bearer", "bad-token", "not-a-digest"}) {
     EXPECT_THAT(log, Not(HasSubstr(secret)));
   }

@@ -80,7 +80,7 @@ TEST(ResumingTest, ConnectionsThatAreCutAtAnyByteChangeNoBitOfTheSequence) {
     EXPECT_EQ(direct->GetSession(id)->next_sequence_number(), kFrames);
     cuts += proxy.faults();
   }
-  EXPECT_GT(cuts, 60u);
+  EXPECT_GT(cuts, 30u);  // every sequence met some
 }
 
 TEST(ResumingTest, OfTwoStreamsOnOneSessionTheOlderEndsForGood) {

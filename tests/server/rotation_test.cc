@@ -1,5 +1,6 @@
 // Certificates and tokens that change while streams run. CAGEFIT_ROTATIONS says how often.
 #include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
 #include <atomic>

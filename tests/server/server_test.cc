@@ -450,7 +450,7 @@ TEST_F(StreamTest, LandmarksHoldTheSurface) {
   ASSERT_TRUE(stream_->Send(bad).ok());
   const absl::Status refused = ReceiveFrame(stream_.get()).status;
   EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
-  EXPECT_EQ(client::DetailOf(refused)->field(), "header.landmarks");
+  EXPECT_EQ(client::DetailOf(refused)->field(), "header.landmarks[0].vertex");
   EXPECT_THAT(std::string(refused.message()),
               ::testing::StartsWith("header.landmarks[0].vertex is 1000000; the mesh has "));
 
@@ -464,7 +464,8 @@ TEST_F(StreamTest, LandmarksHoldTheSurface) {
   ASSERT_TRUE(evaluated.ok()) << evaluated.status();
   EXPECT_GT(evaluated->energies().landmarks(), 0);
   *loss.mutable_frame()->mutable_landmarks(0) = bad.landmarks[0];
-  EXPECT_EQ(client::DetailOf(client_->EvaluateLoss(loss).status())->field(), "frame.landmarks");
+  EXPECT_EQ(client::DetailOf(client_->EvaluateLoss(loss).status())->field(),
+            "frame.landmarks[0].vertex");
 }
 
 TEST_F(StreamTest, ARepeatedFrameHasTheSameLandmarks) {

@@ -63,9 +63,9 @@ TEST(LandmarkTermTest, BadOnesAreNamed) {
   EXPECT_EQ(message_of({-1, {-1, 0, 0}, {0, 0, 0}}),
             "landmarks[1].triangle is -1; the mesh has 20 triangles");
   EXPECT_EQ(message_of({-1, {3, 0.6, 0.5}, {0, 0, 0}}),
-            "landmarks[1]: (u, v) is (0.6, 0.5), outside the triangle");
+            "landmarks[1].surface is (0.6, 0.5); outside the triangle");
   EXPECT_EQ(message_of({-1, {3, nan, 0}, {0, 0, 0}}),
-            "landmarks[1]: (u, v) is (nan, 0), outside the triangle");
+            "landmarks[1].surface is (nan, 0); outside the triangle");
   EXPECT_EQ(message_of({1, {}, {0, nan, 0}}), "landmarks[1].position is not finite");
   EXPECT_TRUE(CheckLandmarks({{9, {}, {0, 0, 0}}, {-1, {19, 0.5, 0.5}, {1, 2, 3}}}, 10, 20).ok());
 }

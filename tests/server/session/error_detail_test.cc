@@ -62,5 +62,15 @@ TEST(ErrorDetailTest, AnInvalidFieldNamesFieldValueAndWhatWasExpected) {
   EXPECT_EQ(detail->value, "9");
 }
 
+TEST(ErrorDetailTest, AFieldOfCoreIsNamedWithWhatItStandsIn) {
+  const absl::Status status = InvalidFieldIn("options.fit.", "radius is -1; from 0 to 1");
+  EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  EXPECT_EQ(status.message(), "options.fit.radius is -1; from 0 to 1");
+  EXPECT_EQ(DetailOf(status)->reason, "INVALID_FIELD");
+  EXPECT_EQ(DetailOf(status)->field, "options.fit.radius");
+  EXPECT_EQ(DetailOf(status)->value, "-1");
+  EXPECT_EQ(DetailOf(InvalidFieldIn("header.", "place is nowhere"))->value, "nowhere");
+}
+
 }  // namespace
 }  // namespace cagefit::server

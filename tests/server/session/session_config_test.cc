@@ -108,7 +108,9 @@ TEST(SessionConfigTest, RefusesAToleranceOutOfRange) {
 TEST(SessionConfigTest, RefusesBadFitOptionsNamingThem) {
   SessionConfig config = testing::CageConfig();
   config.fit.solver.max_iterations = 100'001;
-  ExpectRefused(config, "max_iterations", "100001");
+  ExpectRefused(config, "options.fit.max_iterations", "100001");
+  EXPECT_EQ(DetailOf(config.Validate())->field, "options.fit.max_iterations");
+  EXPECT_EQ(DetailOf(config.Validate())->value, "100001");
 }
 
 TEST(SessionConfigTest, ViewsOfCamerasNeedCameras) {
@@ -135,9 +137,11 @@ TEST(SessionConfigTest, CamerasAreNamedDifferentlyAndValid) {
   EXPECT_EQ(field(1, SmallCamera(std::string(201, 'x'))), "options.cameras[1].name");
   Camera flat = SmallCamera("right");
   flat.height = 0;
-  EXPECT_EQ(field(1, flat), "options.cameras[1]");
-  EXPECT_EQ(config.Validate().message(),
-            "options.cameras[1]: camera \"right\": height is 0; expected 1 to 16384");
+  EXPECT_EQ(field(1, flat), "options.cameras[1].height");
+  EXPECT_EQ(config.Validate().message(), "options.cameras[1].height is 0; expected 1 to 16384");
+  Camera nowhere = SmallCamera("right");
+  nowhere.t[1] = std::nan("");
+  EXPECT_EQ(field(1, nowhere), "options.cameras[1].translation");
   config.cameras.assign(SessionConfig::kMaxCameras + 1, SmallCamera("left"));
   EXPECT_EQ(DetailOf(config.Validate())->field, "options.cameras");
 }

@@ -115,7 +115,7 @@ TEST_F(SessionStoreTest, DeletingEndsTheStreamButNotTheLease) {
 
 TEST_F(SessionStoreTest, OpensASessionThatAnotherProcessHasWritten) {
   SessionStore here = MakeStore(), elsewhere = MakeStore();
-  const std::string id = (*here.Create(CageConfig(), absl::UnixEpoch()))->id();
+  const std::string id = (*here.Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
   const auto none = [](const absl::Status&) {};
   ASSERT_TRUE(here.OpenStream(id, none).ok());
   const auto taken = elsewhere.OpenStream(id, none);
@@ -220,7 +220,7 @@ class SessionMemoryTest : public SessionStoreTest {
     return MakeStore(limits);
   }
   std::string Create(SessionStore* store) {
-    return (*store->Create(CageConfig(), absl::UnixEpoch()))->id();
+    return (*store->Create(Principal(), CageConfig(), absl::UnixEpoch()))->id();
   }
   // Fits the next frame.
   static absl::Status Fit(SessionStore* store, const std::string& id) {
@@ -284,7 +284,7 @@ TEST_F(SessionMemoryTest, ASessionThatHasNoRoomIsNotCreated) {
   SessionStore::Limits limits;
   limits.memory = &*account_;
   SessionStore store = MakeStore(limits);
-  const auto refused = store.Create(CageConfig(), absl::UnixEpoch());
+  const auto refused = store.Create(Principal(), CageConfig(), absl::UnixEpoch());
   EXPECT_TRUE(absl::IsResourceExhausted(refused.status())) << refused.status();
   EXPECT_EQ(journal_.Count().value(), 0);
   EXPECT_EQ(account_->taken(), 0);

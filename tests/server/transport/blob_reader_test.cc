@@ -94,12 +94,12 @@ TEST_F(BlobReaderTest, RefusesAGigabyteByItsFirstChunk) {
 
 TEST_F(BlobReaderTest, TakesFromTheBudgetAndGivesBack) {
   ServiceLimits limits;
-  limits.budget_bytes = 1000;
+  limits.budget_bytes = 10'000;  // enough for a kilobyte and what parsing makes of it
   TestService service(limits);
-  const std::string kilobyte(1001, 'x');
-  EXPECT_EQ(Send(&service, {Chunk(kilobyte.size(), kilobyte)}).error_code(),
+  const std::string too_much(10'001, 'x');
+  EXPECT_EQ(Send(&service, {Chunk(too_much.size(), too_much)}).error_code(),
             grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(detail_.limit(), "1000");
+  EXPECT_EQ(detail_.limit(), "10000");
   EXPECT_EQ(Send(&service, {Chunk(1000, std::string(1000, '\xff'))}).error_code(),
             grpc::StatusCode::INVALID_ARGUMENT);
 }

@@ -306,7 +306,7 @@ TEST(FitFramesCallTest, ADeadlineEndsTheStreamByThatNameAndConsumesNothing) {
     EXPECT_EQ(stream.End(), grpc::StatusCode::DEADLINE_EXCEEDED);
     // What the server itself says: the client would say the same for any cancelled call.
     WaitFor([&service] { return !service.log->last_formatted().empty(); });
-    EXPECT_THAT(service.log->last_formatted().front(), ::testing::HasSubstr("code=4 "));
+    EXPECT_THAT(service.log->last_formatted().front(), ::testing::HasSubstr("code=DEADLINE_EXCEEDED "));
   }
   service.WaitForFits(id);
   EXPECT_EQ((*service.store.Find(id))->Facts().next_sequence_number, 0u);

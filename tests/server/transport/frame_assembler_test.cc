@@ -45,7 +45,7 @@ class FrameAssemblerTest : public ::testing::Test {
     EXPECT_EQ(absl::IsInvalidArgument(status), reason != "LIMIT_EXCEEDED") << status;
   }
 
-  MemoryAccount budget_{4 << 20};
+  MemoryAccount budget_{"bytes in flight of all calls", 4 << 20};
   FrameAssembler assembler_{3 << 20, &budget_};
 };
 
@@ -108,7 +108,7 @@ TEST_F(FrameAssemblerTest, RefusesLandmarksThatNoMeshHas) {
   ExpectRefused(nowhere, "INVALID_FIELD", "header.landmarks[1].place");
   v1::FitFramesRequest beyond = Header(0, 1);
   beyond.mutable_header()->add_landmarks()->mutable_surface()->set_triangle(1u << 31);
-  ExpectRefused(beyond, "INVALID_FIELD", "header.landmarks[0]");
+  ExpectRefused(beyond, "INVALID_FIELD", "header.landmarks[0].surface.triangle");
   v1::FitFramesRequest many = Header(0, 1);
   for (int k = 0; k <= kMaxLandmarks; ++k) many.mutable_header()->add_landmarks()->set_vertex(1);
   ExpectRefused(many, "LIMIT_EXCEEDED", "header.landmarks");

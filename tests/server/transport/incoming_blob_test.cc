@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/session/error_detail.h"
+
 namespace cagefit::server {
 namespace {
 
@@ -13,7 +15,7 @@ class IncomingBlobTest : public ::testing::Test {
     EXPECT_EQ(absl::IsResourceExhausted(status), DetailOf(status)->reason == "LIMIT_EXCEEDED");
   }
 
-  MemoryAccount budget_{1000};
+  MemoryAccount budget_{"bytes in flight of all calls", 1000};
 };
 
 TEST_F(IncomingBlobTest, PutsChunksTogetherAndHoldsTheirShareOfTheBudget) {

@@ -6,7 +6,8 @@ namespace cagefit::server {
 namespace {
 
 std::shared_ptr<ReceivedFrame> FrameOf(uint64_t number, MemoryAccount* budget) {
-  auto received = std::make_shared<ReceivedFrame>(ReceivedFrame{Frame(), MemoryReservation(budget)});
+  auto received =
+      std::make_shared<ReceivedFrame>(ReceivedFrame{Frame(), MemoryReservation(budget)});
   EXPECT_TRUE(received->reservation.Grow(100).ok());
   received->frame.sequence_number = number;
   received->frame.digest[0] = static_cast<uint8_t>(number);

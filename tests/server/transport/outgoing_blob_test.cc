@@ -6,7 +6,7 @@ namespace cagefit::server {
 namespace {
 
 TEST(OutgoingBlobTest, GoesInChunksOfAtMostAMebibyteThatTellTheTotal) {
-  MemoryAccount budget(4 << 20);
+  MemoryAccount budget("bytes in flight of all calls", 4 << 20);
   {
     OutgoingBlob blob(&budget);
     std::string whole((5 << 19) + 7, 'x');

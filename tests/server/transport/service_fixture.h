@@ -29,7 +29,7 @@ struct ServiceLimits {
 struct TestService {
   explicit TestService(const ServiceLimits& limits = ServiceLimits())
       : store(limits.store, &journal, &templates, NoTime),
-        budget(limits.budget_bytes),
+        budget("bytes in flight of all calls", limits.budget_bytes),
         streams(limits.max_streams),
         scheduler(limits.scheduler),
         service({&auth, &scheduler, &budget, &streams, NoTime,

@@ -18,5 +18,23 @@ TEST(TimeConvertTest, ComesBackToTheNanosecond) {
   }
 }
 
+TEST(TimeConvertTest, RefusesWhatIsNoTimestamp) {
+  const auto check = [](int64_t seconds, int32_t nanos) {
+    google::protobuf::Timestamp proto;
+    proto.set_seconds(seconds);
+    proto.set_nanos(nanos);
+    return CheckTimestamp("time", proto);
+  };
+  EXPECT_EQ(check(-62'135'596'800, 0), absl::OkStatus());
+  EXPECT_EQ(check(253'402'300'799, 999'999'999), absl::OkStatus());
+  EXPECT_EQ(check(0, -1).message(),
+            "time is 0 s and -1 ns; expected seconds of the years 1 to 9999, and 0 to 999,999,999 "
+            "ns");
+  for (const absl::Status& status :
+       {check(-62'135'596'801, 0), check(253'402'300'800, 0), check(0, 1'000'000'000)}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  }
+}
+
 }  // namespace
 }  // namespace cagefit::server
