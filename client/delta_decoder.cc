@@ -20,7 +20,11 @@ absl::Status CheckTriples(const char* field, int values) {
 }
 
 absl::StatusOr<GridPoints> Values(const v1::VertexDelta& delta) {
-  if (!delta.draco().empty()) return DecodeDracoIntegers(delta.draco(), kMaxVertices);
+  if (!delta.draco().empty()) {
+    auto values = DecodeDracoIntegers(delta.draco(), kMaxVertices);
+    if (!values.ok()) return absl::DataLossError(values.status().message());
+    return values;
+  }
   RETURN_IF_ERROR(CheckTriples("packed", delta.packed_size()));
   GridPoints values(3, delta.packed_size() / 3);
   std::copy(delta.packed().begin(), delta.packed().end(), values.data());
