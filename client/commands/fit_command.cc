@@ -88,7 +88,7 @@ void SayHowToGoOn(const FitArguments& arguments, const std::vector<std::string>&
                   const FitJob& job) {
   if (!arguments.server.empty()) {
     const std::string& id = job.report().session.session_id();
-    std::cerr << "cagefit: the session is kept; this command goes on where it is:\n  "
+    std::cerr << "cagefit: the session stays on the server; this command goes on with it:\n  "
               << CommandWith(words, "--session", id)
               << "\nor, to give it up: " << ShellQuoted(words.front()) << " session delete " << id
               << " --server " << ShellQuoted(arguments.server) << "\n";
@@ -166,11 +166,8 @@ int Fit(const FitArguments& arguments, const std::vector<std::string>& words) {
     return ExitCodeOf(job.report());
   }
   const int exit_code = done.ok() ? kFailed : ReportBrokenOff(done, interrupt.seen(), job.report());
-  if (MayGoOn(failure)) {
-    SayHowToGoOn(arguments, words, job);
-  } else {
-    job.DeleteSession();
-  }
+  // The session stays in any case: it may be another client's by now, and holds what was fitted.
+  if (MayGoOn(failure)) SayHowToGoOn(arguments, words, job);
   return exit_code;
 }
 

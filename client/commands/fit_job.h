@@ -42,7 +42,7 @@ class FitJob {
   // Measures, and writes what is not written yet.
   absl::Status Finish();
 
-  // Of its server, unless it is to be kept.
+  // When all is done, unless it is to be kept.
   void DeleteSession();
 
   const FitReport& report() const { return report_; }
