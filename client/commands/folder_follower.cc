@@ -35,6 +35,11 @@ absl::StatusOr<std::unique_ptr<FolderFollower>> FolderFollower::Open(std::string
                                                                      const FollowOptions& options) {
   std::unique_ptr<FolderFollower> follower(new FolderFollower(std::move(folder), options));
   RETURN_IF_ERROR(follower->Look());
+  std::cerr << "cagefit: follows " << follower->folder_ << " until Ctrl-C"
+            << (options.idle < absl::InfiniteDuration()
+                    ? absl::StrCat(", or until it is idle for ", absl::FormatDuration(options.idle))
+                    : "")
+            << "\n";
   return follower;
 }
 

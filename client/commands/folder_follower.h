@@ -20,7 +20,8 @@ struct FollowOptions {
 
 class FolderFollower {
  public:
-  // FAILED_PRECONDITION, naming the folder, when it cannot be read.
+  // Says on standard error that it watches, and until when. FAILED_PRECONDITION, naming the folder,
+  // when it cannot be read.
   static absl::StatusOr<std::unique_ptr<FolderFollower>> Open(std::string folder,
                                                               const FollowOptions& options);
   ~FolderFollower();

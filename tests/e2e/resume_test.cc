@@ -77,7 +77,9 @@ class ShellProgram {
   // Of each program its own: the command that one printed starts the next.
   static std::string NewFile(const std::string& folder) {
     static int count = 0;
-    return absl::StrCat(folder, "_err_", count++, ".txt");
+    const std::string file = absl::StrCat(folder, "_err_", count++, ".txt");
+    std::filesystem::remove(file);  // an earlier run's
+    return file;
   }
 
   const std::string err_file_;
@@ -271,7 +273,7 @@ TEST_F(ResumeEndToEndTest, AFollowedFolderIsFittedAsItsFilesAreCompleted) {
   // The settling time is far beyond the test's: renamed files count at once.
   ShellProgram fit(FitCommand(live, out, AtServer() + " --follow --follow-settle 600"), out);
   // Until then it does not watch the folder: a file that is there before may be half written.
-  while (!absl::StrContains(fit.err(), "cagefit: session ")) std::this_thread::yield();
+  while (!absl::StrContains(fit.err(), "cagefit: follows ")) std::this_thread::yield();
   for (int k = 0; k < kFrames; ++k) {
     std::filesystem::copy_file(file(capture_, k), live + "/.part");
     std::filesystem::rename(live + "/.part", file(live, k));
