@@ -29,7 +29,7 @@ namespace cagefit::client {
 struct ClientOptions {
   std::string address;  // HOST:PORT or unix:PATH
   absl::Duration connect_timeout = absl::Seconds(5);
-  ClientCredentials credentials;
+  ClientCredentials credentials = {};
 };
 
 struct OutgoingMask {

@@ -15,6 +15,9 @@ namespace {
 constexpr int kMaxMessageBytes = 4 << 20;
 // gRPC parses what it receives, and two bytes may become eighty.
 constexpr int kMaxReceivedBytes = 5 << 18;
+// Of a stream, sent but not read: frames wait at the client, where its memory is. 10 MB a second
+// over a way of 50 ms.
+constexpr int kWindowBytes = 1 << 19;
 constexpr int kKeepaliveMs = 30'000, kKeepaliveTimeoutMs = 10'000, kMinPingIntervalMs = 10'000;
 
 void SetLimits(int64_t quota_bytes, grpc::ServerBuilder* builder) {
@@ -25,6 +28,9 @@ void SetLimits(int64_t quota_bytes, grpc::ServerBuilder* builder) {
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder->SetResourceQuota(
       grpc::ResourceQuota("cagefitd").Resize(static_cast<size_t>(quota_bytes)));
+  // Probing would let the window grow to 16 MiB for every client that sends without being asked.
+  builder->AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder->AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kWindowBytes);
   // Otherwise two servers share a port without a word.
   builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder->AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);

@@ -59,9 +59,14 @@ int64_t MaxMemoryBytes(const ServerOptions& options) {
   return std::max(MachineMemoryBytes() / 5 * 4, int64_t{256} << 20);
 }
 
-// What is counted may take: the allocator needs a tenth for what is between.
+int64_t QuotaBytes(const ServerOptions& options) {
+  return std::min(kNetworkQuotaBytes, MaxMemoryBytes(options) / 8);
+}
+
+// What is counted may take: connections have theirs, and the allocator needs a tenth for what is
+// between.
 int64_t CountedBytes(const ServerOptions& options) {
-  return (MaxMemoryBytes(options) - kBaseBytes) / 10 * 9;
+  return (MaxMemoryBytes(options) - QuotaBytes(options) - kBaseBytes) / 10 * 9;
 }
 
 SessionStore::Limits StoreLimits(const ServerOptions& options, MemoryAccount* memory) {
@@ -155,7 +160,7 @@ absl::Status Server::Parts::Listen(const ServerOptions& options) {
   for (const std::string& address : options.listen) {
     listeners.push_back({address, access.CredentialsFor(address)});
   }
-  const int64_t quota_bytes = std::min(kNetworkQuotaBytes, MaxMemoryBytes(options) / 8);
+  const int64_t quota_bytes = QuotaBytes(options);
   ASSIGN_OR_RETURN(network,
                    Serve(listeners, {&*service, &health},
                          options.reflection ? Reflection::kOn : Reflection::kOff, quota_bytes));

@@ -176,7 +176,7 @@ void MeshOutline::BinFolds(const ProjectedMesh& mesh, const MeshEdges& edges) {
 void MeshOutline::CutFold(const ProjectedMesh& mesh, const MeshEdges& edges, int32_t edge,
                           std::vector<Cut>* cuts) const {
   cuts->clear();
-  const auto& [a, b] = edges.vertices(edge);
+  const int32_t a = edges.vertices(edge)[0], b = edges.vertices(edge)[1];
   const Eigen::Vector2d A = At(mesh, a), B = At(mesh, b);
   ForBins(mesh, edges, edge, [&](int bin) {
     for (int32_t k = bin_begin_[bin]; k < bin_begin_[bin + 1]; ++k) {

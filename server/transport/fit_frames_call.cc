@@ -9,6 +9,7 @@
 #include "server/session/fail_point.h"
 #include "server/session/session_memory.h"
 #include "server/transport/frame_log.h"
+#include "server/transport/message_parts.h"
 #include "server/transport/reply_convert.h"
 #include "server/transport/status_convert.h"
 
@@ -56,23 +57,25 @@ void FitFramesCall::OnReadDone(bool ok) {
                        : assembler_.CheckBetweenFrames());
     return;
   }
-  const absl::Duration wait = sessions_->Receive(static_cast<int64_t>(request_.ByteSizeLong()));
-  const absl::Status taken = Take(&request_);
+  const absl::Duration wait = sessions_->Receive(static_cast<int64_t>(request_.Length()));
+  const absl::Status taken = Take(request_);
   if (!taken.ok()) EndAfterFrames(taken);
   if (wait > absl::ZeroDuration()) Pause(wait);
   ReadOn();
 }
 
-absl::Status FitFramesCall::Take(v1::FitFramesRequest* request) {
+absl::Status FitFramesCall::Take(const grpc::ByteBuffer& bytes) {
+  v1::FitFramesRequest request;
+  RETURN_IF_ERROR(ParseParts("message", bytes, &request));
   if (ledger_ == nullptr) {
-    if (request->has_open()) {
-      RETURN_IF_ERROR(SetMode(request->open().mode()));
-      return StartOpening(request->open().session_id());
+    if (request.has_open()) {
+      RETURN_IF_ERROR(SetMode(request.open().mode()));
+      return StartOpening(request.open().session_id());
     }
     return WithDetail(absl::InvalidArgumentError("open: expected as the first message"),
                       {"PROTOCOL_VIOLATION", "open", "", ""});
   }
-  ASSIGN_OR_RETURN(std::optional<ReceivedFrame> received, assembler_.Add(request));
+  ASSIGN_OR_RETURN(std::optional<ReceivedFrame> received, assembler_.Add(&request));
   return received.has_value() ? Submit(*std::move(received)) : absl::OkStatus();
 }
 
@@ -104,11 +107,13 @@ void FitFramesCall::Open(const std::string& session_id) {
   epoch_ = opened->opening.epoch;
   record_.SetSession(session_id);
   if (end_.has_value()) return MoveOn();  // overtaken or gone meanwhile
-  Outgoing outgoing;
-  v1::StreamOpened* message = outgoing.message.mutable_opened();
+  v1::FitFramesReply reply;
+  v1::StreamOpened* message = reply.mutable_opened();
   message->set_epoch(epoch_);
   message->set_next_sequence_number(opened->opening.next_sequence_number);
   message->set_frames_in_flight(FramesInFlight());
+  Outgoing outgoing;
+  outgoing.message = Serialized(reply);
   Send(std::move(outgoing));
   ReadOn();
 }
@@ -221,13 +226,14 @@ absl::StatusOr<FrameAnswer> FitFramesCall::Skip(const SkippedFrame& frame) {
 void FitFramesCall::SendAnswer(const FrameAnswer& answer) {
   LogFrame(*state_->log, ledger_->id(), record_.trace_id(), answer);
   state_->metrics->CountFrame(answer);
+  v1::FitFramesReply reply;
+  *reply.mutable_frame() = ToProto(answer, *ledger_);
   Outgoing outgoing;
-  *outgoing.message.mutable_frame() = ToProto(answer, *ledger_);
+  outgoing.message = Serialized(reply);
   outgoing.answers_frame = true;
   // A client that reads slowly holds memory. What it does not get now, it gets when it asks again.
   outgoing.memory.emplace(state_->budget);
-  const absl::Status room =
-      outgoing.memory->Grow(static_cast<int64_t>(outgoing.message.SpaceUsedLong()));
+  const absl::Status room = outgoing.memory->Grow(static_cast<int64_t>(outgoing.message.Length()));
   if (!room.ok()) return Stop(room);
   std::lock_guard<std::mutex> lock(mutex_);
   if (!abandoned_) Send(std::move(outgoing));

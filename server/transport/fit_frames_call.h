@@ -28,7 +28,7 @@ namespace cagefit::server {
 inline constexpr int kFramesInFlight = 2;
 inline constexpr int kLatestInFlight = 64;
 
-class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>,
+class FitFramesCall : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                       public DrainableStream,
                       public std::enable_shared_from_this<FitFramesCall> {
  public:
@@ -43,7 +43,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
 
  private:
   struct Outgoing {
-    v1::FitFramesReply message;
+    grpc::ByteBuffer message;  // FitFramesReply
     bool answers_frame = false;
     std::optional<MemoryReservation> memory;  // of an answer
   };
@@ -51,7 +51,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context);
 
   // Under the mutex.
-  absl::Status Take(v1::FitFramesRequest* request);
+  absl::Status Take(const grpc::ByteBuffer& bytes);
   absl::Status StartOpening(const std::string& session_id);
   absl::Status SetMode(v1::FrameMode mode);
   int FramesInFlight() const { return is_latest_ ? kLatestInFlight : kFramesInFlight; }
@@ -85,7 +85,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<v1::FitFramesRequest, v1::F
   std::atomic<bool> abandoned_{false};   // frames in flight are not wanted any more
 
   std::mutex mutex_;
-  v1::FitFramesRequest request_;
+  grpc::ByteBuffer request_;  // FitFramesRequest
   FrameAssembler assembler_;
   std::shared_ptr<SessionLedger> ledger_;  // once open; then constant, as is epoch_
   uint64_t epoch_ = 0;

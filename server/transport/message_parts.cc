@@ -64,4 +64,18 @@ absl::Status ParseParts(const char* field, absl::string_view bytes,
                       "expected one, serialized");
 }
 
+absl::Status ParseParts(const char* field, const grpc::ByteBuffer& bytes,
+                        google::protobuf::Message* message) {
+  grpc::Slice slice;
+  if (!bytes.DumpToSingleSlice(&slice).ok()) {
+    return absl::InternalError(absl::StrCat(field, ": no bytes"));
+  }
+  return ParseParts(field, {reinterpret_cast<const char*>(slice.begin()), slice.size()}, message);
+}
+
+grpc::ByteBuffer Serialized(const google::protobuf::Message& message) {
+  const grpc::Slice slice(message.SerializeAsString());
+  return {&slice, 1};
+}
+
 }  // namespace cagefit::server

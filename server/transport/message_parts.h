@@ -4,6 +4,7 @@
 #define CAGEFIT_SERVER_TRANSPORT_MESSAGE_PARTS_H_
 
 #include <google/protobuf/message.h>
+#include <grpcpp/support/byte_buffer.h>
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
@@ -18,6 +19,10 @@ inline constexpr int kMaxParts = 100'000;
 // more parts, or bytes that are no such message.
 absl::Status ParseParts(const char* field, absl::string_view bytes,
                         google::protobuf::Message* message);
+absl::Status ParseParts(const char* field, const grpc::ByteBuffer& bytes,
+                        google::protobuf::Message* message);
+
+grpc::ByteBuffer Serialized(const google::protobuf::Message& message);
 
 }  // namespace cagefit::server
 

@@ -135,22 +135,15 @@ absl::StatusOr<std::string> Stencils(const ServiceState& state, const PrincipalS
 grpc::ServerUnaryReactor* FittingService::CreateSession(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request,
                                                         grpc::ByteBuffer* session) {
-  return RunUnary(
-      state_, context, "CreateSession", static_cast<int64_t>(request->Length()),
-      [this, request, session](const PrincipalSessions& sessions) -> absl::Status {
-        grpc::Slice bytes;
-        if (!request->DumpToSingleSlice(&bytes).ok()) {
-          return absl::InternalError("request: no bytes");
-        }
-        v1::CreateSessionRequest parsed;
-        RETURN_IF_ERROR(ParseParts(
-            "request", {reinterpret_cast<const char*>(bytes.begin()), bytes.size()}, &parsed));
-        v1::Session created;
-        RETURN_IF_ERROR(Create(state_, sessions, parsed, &created));
-        const grpc::Slice reply(created.SerializeAsString());
-        *session = grpc::ByteBuffer(&reply, 1);
-        return absl::OkStatus();
-      });
+  return RunUnary(state_, context, "CreateSession", static_cast<int64_t>(request->Length()),
+                  [this, request, session](const PrincipalSessions& sessions) -> absl::Status {
+                    v1::CreateSessionRequest parsed;
+                    RETURN_IF_ERROR(ParseParts("request", *request, &parsed));
+                    v1::Session created;
+                    RETURN_IF_ERROR(Create(state_, sessions, parsed, &created));
+                    *session = Serialized(created);
+                    return absl::OkStatus();
+                  });
 }
 
 grpc::ServerReadReactor<v1::CreateSessionChunk>* FittingService::CreateSessionFromStream(
@@ -243,7 +236,7 @@ grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* FittingService::EvaluateL
   return EvaluateLossCall::Start(state_, context);
 }
 
-grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FittingService::FitFrames(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* FittingService::FitFrames(
     grpc::CallbackServerContext* context) {
   return FitFramesCall::Start(&state_, context);
 }

@@ -7,12 +7,22 @@
 
 namespace cagefit::server {
 
-class FittingService final
-    : public v1::Fitting::WithRawCallbackMethod_CreateSession<v1::Fitting::CallbackService> {
+// Where a message may be large, it comes in bytes: gRPC would parse any number of parts.
+using RawMethods = v1::Fitting::WithRawCallbackMethod_CreateSession<
+    v1::Fitting::WithRawCallbackMethod_FitFrames<v1::Fitting::Service>>;
+using AllMethods = v1::Fitting::WithCallbackMethod_CreateSessionFromStream<
+    v1::Fitting::WithCallbackMethod_GetSession<
+        v1::Fitting::WithCallbackMethod_ListSessions<v1::Fitting::WithCallbackMethod_DeleteSession<
+            v1::Fitting::WithCallbackMethod_GetControlMesh<
+                v1::Fitting::WithCallbackMethod_GetSurface<
+                    v1::Fitting::WithCallbackMethod_GetStencils<
+                        v1::Fitting::WithCallbackMethod_EvaluateLoss<
+                            v1::Fitting::WithCallbackMethod_GetReplies<RawMethods>>>>>>>>>;
+
+class FittingService final : public AllMethods {
  public:
   explicit FittingService(ServiceState state) : state_(std::move(state)) {}
 
-  // In bytes: gRPC would parse a request of any number of parts.
   grpc::ServerUnaryReactor* CreateSession(grpc::CallbackServerContext* context,
                                           const grpc::ByteBuffer* request,
                                           grpc::ByteBuffer* session) override;
@@ -35,7 +45,7 @@ class FittingService final
       grpc::CallbackServerContext* context, const v1::GetStencilsRequest* request) override;
   grpc::ServerBidiReactor<v1::DataChunk, v1::DataChunk>* EvaluateLoss(
       grpc::CallbackServerContext* context) override;
-  grpc::ServerBidiReactor<v1::FitFramesRequest, v1::FitFramesReply>* FitFrames(
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* FitFrames(
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::FrameReply>* GetReplies(
       grpc::CallbackServerContext* context, const v1::GetRepliesRequest* request) override;

@@ -81,10 +81,17 @@ bool LoadStream::Open(v1::StreamOpened* opened) {
   v1::FitFramesReply reply;
   if (!stream_->Read(&reply)) return false;
   *opened = reply.opened();
+  window_ = int64_t{opened->frames_in_flight()} + 1;
   return true;
 }
 
 bool LoadStream::Send(uint64_t number, const std::string& draco) {
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    room_.wait(lock, [this] { return has_ended_ || unanswered_ < window_; });
+    if (has_ended_) return false;
+    ++unanswered_;
+  }
   v1::FitFramesRequest request;
   request.mutable_header()->set_sequence_number(number);
   request.mutable_header()->set_total_bytes(draco.size());
@@ -100,7 +107,14 @@ bool LoadStream::Send(uint64_t number, const std::string& draco) {
 
 bool LoadStream::Receive(v1::FrameReply* reply) {
   v1::FitFramesReply message;
-  if (!stream_->Read(&message)) return false;
+  const bool is_answer = stream_->Read(&message);
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    --unanswered_;
+    has_ended_ |= !is_answer;
+  }
+  room_.notify_one();
+  if (!is_answer) return false;
   reply->Swap(message.mutable_frame());
   return true;
 }

@@ -5,8 +5,10 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -36,7 +38,8 @@ std::ostream& operator<<(std::ostream& out, const CallEnd& end);
 // empty id when it was refused; `end` says why.
 std::string MakeSession(v1::Fitting::Stub* stub, int levels, v1::Priority priority, CallEnd* end);
 
-// One FitFrames stream. A frame that does not get through ends it.
+// One FitFrames stream. A frame that does not get through ends it. One thread may send while
+// another receives.
 class LoadStream {
  public:
   LoadStream(v1::Fitting::Stub* stub, const std::string& session_id,
@@ -45,6 +48,7 @@ class LoadStream {
 
   // The server's answer to the opening.
   bool Open(v1::StreamOpened* opened);
+  // Waits while as many frames as the server takes, and one on its way, are unanswered.
   bool Send(uint64_t number, const std::string& draco);
   bool Receive(v1::FrameReply* reply);
   void CloseSending() { stream_->WritesDone(); }
@@ -56,6 +60,11 @@ class LoadStream {
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::FitFramesRequest, v1::FitFramesReply>> stream_;
   bool is_finished_ = false;
+
+  std::mutex mutex_;
+  std::condition_variable room_;
+  int64_t window_ = 1, unanswered_ = 0;
+  bool has_ended_ = false;
 };
 
 // The moving sequence, encoded once and sent again and again.
