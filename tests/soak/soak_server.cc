@@ -1,5 +1,6 @@
 #include "tests/soak/soak_server.h"
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,6 +43,11 @@ absl::Status SoakServer::Start() {
   const std::string line = running_->ReadLine();
   if (absl::StartsWith(line, "listening on ")) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat(program_, " does not start: ", line));
+}
+
+int SoakServer::Terminate() {
+  running_->Signal(SIGTERM);
+  return running_->Wait();
 }
 
 void SoakServer::Kill() { running_.reset(); }

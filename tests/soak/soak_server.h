@@ -1,4 +1,4 @@
-// A real server that is killed and started again at the same address.
+// A real server that is ended and started again at the same address.
 #ifndef CAGEFIT_TESTS_SOAK_SOAK_SERVER_H_
 #define CAGEFIT_TESTS_SOAK_SOAK_SERVER_H_
 
@@ -23,7 +23,8 @@ class SoakServer {
 
   // Returns when it listens. UNAVAILABLE when it ends before.
   absl::Status Start();
-  void Kill();  // SIGKILL; returns when it is gone
+  int Terminate();  // SIGTERM; its exit code, when it is gone
+  void Kill();      // SIGKILL; returns when it is gone
 
  private:
   const std::string program_;
