@@ -4,6 +4,7 @@
 
 #include "absl/status/status.h"
 #include "client/commands/command.h"
+#include "client/commands/credential_flags.h"
 #include "client/commands/json.h"
 #include "client/fit_client.h"
 
@@ -14,6 +15,7 @@ struct HealthArguments {
   std::string server = "127.0.0.1:50051", service = "cagefit.v1.Fitting";
   double timeout_seconds = 5;
   bool json = false;
+  ClientCredentials credentials;
 };
 
 struct Answer {
@@ -32,7 +34,7 @@ Answer AnswerOf(const absl::StatusOr<bool>& serving) {
 
 int CheckHealth(const HealthArguments& arguments) {
   const absl::Duration timeout = absl::Seconds(arguments.timeout_seconds);
-  const auto client = FitClient::Connect({arguments.server, timeout});
+  const auto client = FitClient::Connect({arguments.server, timeout, arguments.credentials});
   const absl::StatusOr<bool> serving =
       client.ok() ? (*client)->IsServing(arguments.service, timeout) : client.status();
   const Answer answer = AnswerOf(serving);
@@ -67,6 +69,7 @@ void AddHealthCommand(CLI::App* app, Run* run) {
       ->check(CLI::Range(0.01, 3600.0))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print JSON");
+  AddCredentialFlags(&arguments->credentials, command);
   command->callback([arguments, run] { *run = [arguments] { return CheckHealth(*arguments); }; });
 }
 

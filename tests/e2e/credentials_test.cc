@@ -1,9 +1,10 @@
-// Tokens as a user makes and uses them.
+// Tokens and certificates as a user makes and uses them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include "tests/e2e/program.h"
+#include "tests/support/certificates.h"
 
 namespace cagefit::testing {
 namespace {
@@ -52,6 +53,21 @@ TEST(TokenProgramTest, ATokenOpensTheServerItsLineIsGivenTo) {
                   "--server", server.address(), "--token-file", token_file});
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_THAT(second.err, HasSubstr("sessions of north is 2; the limit is 1"));
+}
+
+TEST(TlsProgramTest, HealthIsAskedOfAPortWithTls) {
+  const std::string folder = EmptyFolder("tls");
+  CertificateAuthority authority("authority");
+  const CertificateAndKey own = authority.Issue("server");
+  WriteText(folder + "/ca.pem", authority.certificate());
+  WriteText(folder + "/server.pem", own.certificate);
+  WriteText(folder + "/server.key", own.key);
+  const ServerProgram server(
+      {"--tls-cert", folder + "/server.pem", "--tls-key", folder + "/server.key"});
+  const std::vector<std::string> health = {"health", "--server", server.address(), "--timeout",
+                                           "2"};
+  EXPECT_EQ(RunCagefit(health).out, "no-server\n");
+  EXPECT_EQ(RunCagefit(health, {"CAGEFIT_TLS_CA=" + folder + "/ca.pem"}).out, "serving\n");
 }
 
 TEST(TokenProgramTest, AFileThatIsThereIsNotOverwritten) {

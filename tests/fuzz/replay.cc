@@ -2,7 +2,12 @@
 //
 //   fuzz_NAME [--runs 3000] [--seed 1]      prints what reproduces a crash
 //   fuzz_NAME FILE...
+#include <signal.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <cinttypes>
+#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -31,18 +36,46 @@ void RunOnFiles(const std::vector<std::string>& paths) {
   }
 }
 
-// Each mutation follows from its own number, which a crash leaves on standard error.
+// Of the mutation that is being run, each of which follows from its own number.
+uint64_t current_seed = 0;
+
+void WriteSeed() {
+  char line[64];
+  const int size =
+      snprintf(line, sizeof(line), "reproduce: --runs 1 --seed %" PRIu64 "\n", current_seed);
+  static_cast<void>(!write(STDERR_FILENO, line, size));
+}
+
+void OnCrash(int signal) {
+  WriteSeed();
+  raise(signal);  // SA_RESETHAND: for good
+}
+
+#ifdef __SANITIZE_ADDRESS__
+extern "C" void __sanitizer_set_death_callback(void (*callback)());
+#endif
+
+void ReportCrashes() {
+#ifdef __SANITIZE_ADDRESS__
+  __sanitizer_set_death_callback([] { WriteSeed(); });
+#endif
+  struct sigaction action = {};
+  action.sa_handler = OnCrash;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTERM}) {
+    sigaction(signal, &action, nullptr);
+  }
+}
+
 void RunOnMutations(const Options& options) {
   const std::vector<std::string> seeds = FuzzSeeds();
   RunOn("");
   for (const std::string& seed : seeds) RunOn(seed);
   for (uint64_t run = options.seed; run < options.seed + options.runs; ++run) {
     std::mt19937_64 random(run);
-    const std::string bytes = Mutated(seeds, &random);
-    std::cerr << "\rreproduce: --runs 1 --seed " << run << std::flush;
-    RunOn(bytes);
+    current_seed = run;
+    RunOn(Mutated(seeds, &random));
   }
-  std::cerr << "\r";
   std::cout << seeds.size() << " seeds, " << options.runs << " mutations\n";
 }
 
@@ -58,6 +91,7 @@ int main(int argc, char** argv) {
   app.add_option("files", options.files);
   CLI11_PARSE(app, argc, argv);
   if (options.files.empty()) {
+    ReportCrashes();
     RunOnMutations(options);
   } else {
     RunOnFiles(options.files);
