@@ -26,7 +26,7 @@ class ObjReader {
     while (cursor.NextLine(&line)) {
       while (absl::EndsWith(line, "\\")) {
         // Continued on the next line.
-        joined = absl::StrCat(joined, line.substr(0, line.size() - 1), " ");
+        absl::StrAppend(&joined, line.substr(0, line.size() - 1), " ");
         if (!cursor.NextLine(&line)) line = "";
       }
       if (!joined.empty()) {
@@ -37,7 +37,7 @@ class ObjReader {
       joined.clear();
     }
     ASSIGN_OR_RETURN(Geometry geometry, builder_.Finish(NanPoints::kRefuse));
-    RETURN_IF_ERROR(CheckTags(geometry.mesh.vertices.cols()));
+    RETURN_IF_ERROR(CheckReferences(geometry.mesh.vertices.cols()));
     TakeNormals(&geometry);
     return geometry;
   }
@@ -115,8 +115,13 @@ class ObjReader {
     return absl::OkStatus();
   }
 
-  absl::Status CheckTags(int64_t vertices) {
+  absl::Status CheckReferences(int64_t vertices) {
     for (const CornerNormal& corner : corner_normals_) {
+      // Also of faces with fewer than three corners, which the builder leaves out.
+      if (corner.vertex >= vertices) {
+        return absl::InvalidArgumentError(absl::StrCat("line ", corner.line, " names vertex ",
+                                                       corner.vertex + 1, " of ", vertices));
+      }
       if (corner.normal < static_cast<int64_t>(normals_.size())) continue;
       return absl::InvalidArgumentError(absl::StrCat("line ", corner.line, " names normal ",
                                                      corner.normal + 1, " of ", normals_.size()));

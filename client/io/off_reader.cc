@@ -53,7 +53,8 @@ class OffReader {
       return BadLine(cursor_.line(), line_, "the numbers of vertices, faces and edges");
     }
     // Two bytes a line at least.
-    if (*vertices + *faces > bytes_ / 2) {
+    const int64_t most = bytes_ / 2;
+    if (*vertices > most || *faces > most - *vertices) {
       return absl::InvalidArgumentError(absl::StrCat("the header claims ", *vertices,
                                                      " vertices and ", *faces, " faces; ", bytes_,
                                                      " bytes cannot hold them"));

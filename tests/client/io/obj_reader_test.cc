@@ -60,6 +60,8 @@ TEST(ObjReaderTest, SaysWhichLineIsWrong) {
   EXPECT_INVALID(Read(std::string(kVertices) + "f 1 2 -5\n"), "line 5 is");
   EXPECT_INVALID(Read(std::string(kVertices) + "f 1 2 x\n"), "line 5 is");
   EXPECT_INVALID(Read(std::string(kVertices) + "f 1//1 2//1 3//1\n"), "names normal 1 of 0");
+  // Of a face that is no triangle, too: its normals are added up.
+  EXPECT_INVALID(Read("v 0 0 0\nvn 0 0 1\nf 900//1 1//1\n"), "line 3 names vertex 900 of 1");
   EXPECT_INVALID(Read("# cagefit crease 1\nv 0 0 0\n"), "line 1 is");
   EXPECT_INVALID(Read("# cagefit crease 1 9\nv 0 0 0\n"), "names vertex 9 of 1");
   EXPECT_INVALID(Read("# nothing\n"), "no vertices");

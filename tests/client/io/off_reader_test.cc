@@ -26,6 +26,8 @@ TEST(OffReaderTest, SaysWhatIsWrong) {
   EXPECT_INVALID(Read("OFF BINARY\n"), "binary OFF is not read");
   EXPECT_INVALID(Read("OFF\n3\n"), "the numbers of vertices");
   EXPECT_INVALID(Read("OFF\n1000000 1 0\n0 0 0\n"), "cannot hold them");
+  // Two counts whose sum is beyond 64 bits.
+  EXPECT_INVALID(Read("OFF\n8009866000402031290 8009866000402031290 0\n"), "cannot hold them");
   EXPECT_INVALID(Read("OFF\n2 0 0\n0 0 0\n"), "ends at vertex 1 (from 0) of 2");
   EXPECT_INVALID(Read("OFF\n1 0 0\n0 0\n#####\n"), "line 3 is \"0 0\"; expected vertex 0");
   EXPECT_INVALID(Read("OFF\n1 1 0\n0 0 0\n3 0 0\n"), "expected face 0");
