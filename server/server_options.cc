@@ -14,6 +14,7 @@
 #include "server/server_options_print.h"
 #include "server/server_options_sources.h"
 #include "server/server_options_suggestion.h"
+#include "server/store/open_journal.h"
 
 namespace cagefit::server {
 namespace {
@@ -55,7 +56,7 @@ std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
       "commas).\nA flag counts more than a variable, a variable more than the file.");
   app->add_option("--listen", o->listen, "HOST:PORT (port 0: any free one) or unix:PATH; repeat")
       ->capture_default_str();
-  app->add_option("--store", o->store, "Where sessions are kept: memory, or sqlite:PATH")
+  app->add_option("--store", o->store, absl::StrCat("Where sessions are kept: ", kStores))
       ->capture_default_str();
   app->add_option("--session-ttl-seconds", o->session_ttl_seconds,
                   "Sessions that nobody uses for so long are deleted; 0: never")
@@ -147,9 +148,8 @@ int Fail(const std::string& message) {
 
 absl::Status ServerOptions::Validate() const {
   if (listen.empty()) return absl::InvalidArgumentError("--listen is empty; expected an address");
-  if (store != "memory" && !(absl::StartsWith(store, "sqlite:") && store.size() > 7)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--store is ", store, "; expected memory or sqlite:PATH"));
+  if (const absl::Status named = CheckStoreName(store); !named.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat("--", named.message()));
   }
   RETURN_IF_ERROR(CheckRange("session-ttl-seconds", session_ttl_seconds, 0, 1e9));
   RETURN_IF_ERROR(CheckRange("template-memory-mib", template_memory_mib, 64, 1 << 20));

@@ -139,8 +139,28 @@ SessionStore::EntryPtr SessionStore::FindLoaded(const std::string& id) {
   return found->second;
 }
 
+absl::StatusOr<SessionStore::EntryPtr> SessionStore::FindCurrent(const std::string& id) {
+  EntryPtr loaded = FindLoaded(id);
+  if (loaded == nullptr || !journal_->is_durable()) return loaded;
+  const SessionLedger& ledger = *loaded->session.ledger();
+  const SessionFacts facts = ledger.Facts();
+  // Of a session that has its stream here, the next write will tell.
+  if (facts.stream_attached) return loaded;
+  const auto stored = journal_->Load(id);
+  // What is in memory is better than nothing while the journal is away.
+  if (absl::IsUnavailable(stored.status())) return loaded;
+  if (stored.ok() && stored->head.epoch == facts.epoch &&
+      stored->head.next_sequence_number == facts.next_sequence_number) {
+    return loaded;
+  }
+  Drop(ledger);
+  RETURN_IF_ERROR(stored.status());
+  return nullptr;
+}
+
 absl::StatusOr<SessionStore::EntryPtr> SessionStore::FindEntry(const std::string& id) {
-  if (EntryPtr loaded = FindLoaded(id)) return loaded;
+  ASSIGN_OR_RETURN(EntryPtr loaded, FindCurrent(id));
+  if (loaded != nullptr) return loaded;
   ASSIGN_OR_RETURN(auto ledger, LoadLedger(id, /*with_template=*/true));
   ASSIGN_OR_RETURN(EntryPtr entry, MakeEntry(std::move(ledger)));
   entry->last_used = absl::Now();
@@ -158,8 +178,9 @@ absl::StatusOr<std::vector<std::shared_ptr<SessionLedger>>> SessionStore::List(
   ASSIGN_OR_RETURN(const std::vector<std::string> ids, journal_->Ids(owner, after, count));
   std::vector<std::shared_ptr<SessionLedger>> page;
   for (const std::string& id : ids) {
-    if (const EntryPtr loaded = FindLoaded(id)) {
-      page.push_back(loaded->session.ledger());
+    const auto loaded = FindCurrent(id);
+    if (loaded.ok() && *loaded != nullptr) {
+      page.push_back((*loaded)->session.ledger());
       continue;
     }
     auto ledger = LoadLedger(id, /*with_template=*/false);

@@ -129,6 +129,9 @@ class SessionStore {
                                                             bool with_template) const;
   absl::StatusOr<EntryPtr> FindEntry(const std::string& id);
   EntryPtr FindLoaded(const std::string& id);
+  // The entry in memory, unless another server that shares the journal has moved it on: that one is
+  // dropped, and null comes back. NOT_FOUND when it was deleted.
+  absl::StatusOr<EntryPtr> FindCurrent(const std::string& id);
   void Drop(const SessionLedger& ledger);  // from memory
   // From the account; where it has no room, from models of sessions that are not leased.
   absl::Status Grow(int64_t bytes, MemoryReservation* memory);

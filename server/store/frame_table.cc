@@ -39,11 +39,10 @@ absl::StatusOr<std::optional<std::string>> ReadFrame(Database* database, const s
 
 absl::StatusOr<std::vector<FrameOutline>> ReadOutlines(Database* database, const std::string& id) {
   ASSIGN_OR_RETURN(const int64_t session, KeyOf(database, id));
-  ASSIGN_OR_RETURN(
-      Query query,
-      Query::Make(database,
-                  "SELECT number, outcome, verdict, is_key, rms, bare_share "
-                  "FROM frame INDEXED BY frame_outline WHERE session = ? ORDER BY number"));
+  ASSIGN_OR_RETURN(Query query,
+                   Query::Make(database,
+                               "SELECT number, outcome, verdict, is_key, rms, bare_share "
+                               "FROM frame WHERE session = ? ORDER BY number"));
   query.Bind(session);
   std::vector<FrameOutline> outlines;
   for (;;) {

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "server/session/journal.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 
 namespace cagefit::server {
 

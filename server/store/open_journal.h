@@ -12,10 +12,15 @@
 
 namespace cagefit::server {
 
-// "memory", or "sqlite:PATH", whose folder is made where it is missing. `codec`, and `commits`,
-// which may be null and is told how long commits of answers take, must outlive the journal.
-// INVALID_ARGUMENT for another name; FAILED_PRECONDITION naming the path when that cannot be a
-// store of this version (SqliteJournal::Open).
+inline constexpr char kStores[] = "memory, sqlite:PATH or postgres:URL";
+
+// INVALID_ARGUMENT, naming what was expected, for another name than those of kStores.
+absl::Status CheckStoreName(const std::string& name);
+
+// A file of SQLite, whose folder is made where it is missing, or a database of PostgreSQL, which
+// many servers may share. `codec`, and `commits`, which may be null and is told how long commits of
+// answers take, must outlive the journal. INVALID_ARGUMENT for another name; FAILED_PRECONDITION
+// naming the store when that cannot be one of this version (SqlJournal::Open).
 absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const std::string& name,
                                                      const RecordCodec* codec,
                                                      LatencyHistogram* commits = nullptr);

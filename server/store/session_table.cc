@@ -59,13 +59,15 @@ absl::Status WriteTemplate(Database* database, int64_t session, absl::string_vie
   return query.Bind(session).Run();
 }
 
-absl::Status WriteHead(Database* database, int64_t session, const SessionHead& head) {
+// Whether the session was still at `before`, of `epoch`: other servers may write to it, too.
+absl::StatusOr<bool> WriteHead(Database* database, int64_t session, uint64_t epoch, uint64_t before,
+                               const SessionHead& head) {
   ASSIGN_OR_RETURN(
       Query query,
       Query::Make(database,
                   "UPDATE session SET control_vertices = ?, triangles = ?, next = ?, fitted = ?, "
                   "rejected = ?, skipped = ?, last_fitted = ?, bytes = ?, used = ?, begun = 0 "
-                  "WHERE key = ?"));
+                  "WHERE key = ? AND epoch = ? AND next = ? RETURNING key"));
   query.Bind(static_cast<int64_t>(head.control_vertices))
       .Bind(static_cast<int64_t>(head.triangles))
       .Bind(static_cast<int64_t>(head.next_sequence_number))
@@ -77,7 +79,14 @@ absl::Status WriteHead(Database* database, int64_t session, const SessionHead& h
   } else {
     query.BindNull();
   }
-  return query.Bind(head.stored_bytes).Bind(absl::ToUnixNanos(absl::Now())).Bind(session).Run();
+  query.Bind(head.stored_bytes)
+      .Bind(absl::ToUnixNanos(absl::Now()))
+      .Bind(session)
+      .Bind(static_cast<int64_t>(epoch))
+      .Bind(static_cast<int64_t>(before));
+  ASSIGN_OR_RETURN(const bool written, query.Next());
+  RETURN_IF_ERROR(query.Run());
+  return written;
 }
 
 }  // namespace
@@ -169,12 +178,15 @@ absl::StatusOr<std::vector<std::string>> IdsUsedBefore(Database* database, absl:
 
 absl::Status DeleteSession(Database* database, const std::string& id) {
   ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(database));
-  ASSIGN_OR_RETURN(const int64_t key, KeyOf(database, id));
-  for (const char* sql :
-       {"DELETE FROM frame WHERE session = ?", "DELETE FROM session WHERE key = ?"}) {
-    ASSIGN_OR_RETURN(Query query, Query::Make(database, sql));
-    RETURN_IF_ERROR(query.Bind(key).Run());
-  }
+  // The session first: a stream that appends to it is done then, or will not find it.
+  ASSIGN_OR_RETURN(Query session,
+                   Query::Make(database, "DELETE FROM session WHERE id = ? RETURNING key"));
+  ASSIGN_OR_RETURN(const bool found, session.Bind(absl::string_view(id)).Next());
+  if (!found) return NoSession(id);
+  const int64_t key = session.Int(0);
+  RETURN_IF_ERROR(session.Run());
+  ASSIGN_OR_RETURN(Query frames, Query::Make(database, "DELETE FROM frame WHERE session = ?"));
+  RETURN_IF_ERROR(frames.Bind(key).Run());
   return transaction.Commit();
 }
 
@@ -211,9 +223,11 @@ absl::StatusOr<int> BeginFrame(Database* database, const std::string& id, uint64
 }
 
 absl::Status AbandonFrame(Database* database, const std::string& id, uint64_t sequence_number) {
-  ASSIGN_OR_RETURN(Query query, Query::Make(database,
-                                            "UPDATE session SET begun = max(begun - 1, 0) "
-                                            "WHERE id = ? AND next = ?"));
+  ASSIGN_OR_RETURN(Query query,
+                   Query::Make(database,
+                               "UPDATE session "
+                               "SET begun = CASE WHEN begun > 0 THEN begun - 1 ELSE 0 END "
+                               "WHERE id = ? AND next = ?"));
   return query.Bind(absl::string_view(id)).Bind(static_cast<int64_t>(sequence_number)).Run();
 }
 
@@ -234,7 +248,9 @@ absl::StatusOr<int64_t> AdvanceSession(Database* database, const std::string& id
   ASSIGN_OR_RETURN(const bool found, query.Next());
   if (!found) return Overtaken(database, id, epoch);
   const int64_t key = query.Int(0);
-  RETURN_IF_ERROR(WriteHead(database, key, After(ReadHead(query, 1), frame, made_template)));
+  ASSIGN_OR_RETURN(const bool written, WriteHead(database, key, epoch, frame.sequence_number,
+                                                 After(ReadHead(query, 1), frame, made_template)));
+  if (!written) return Overtaken(database, id, epoch);
   if (made_template != nullptr) RETURN_IF_ERROR(WriteTemplate(database, key, mesh));
   return key;
 }

@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "server/session/journal.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 
 namespace cagefit::server {
 

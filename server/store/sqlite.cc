@@ -11,12 +11,17 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status.h"
-#include "server/session/error_detail.h"
 
 namespace cagefit::server {
 namespace {
 
-constexpr int kBusyMs = 5000;  // for another process that writes
+constexpr int kBusyMs = 5000;                   // for another process that writes
+constexpr int64_t kApplicationId = 0x43616765;  // "Cage"
+
+absl::Status ErrorOf(sqlite3* connection, int code) {
+  const char* words = connection == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(connection);
+  return StoreUnavailable(absl::StrCat(words, " (SQLite ", code, ")"));
+}
 
 // SQLite itself would make a file that others may read.
 absl::Status MakeFile(const std::string& path) {
@@ -32,17 +37,55 @@ int64_t SizeOf(const std::string& path) {
   return stat(path.c_str(), &status) == 0 ? static_cast<int64_t>(status.st_size) : 0;
 }
 
+class SqliteStatement final : public Statement {
+ public:
+  explicit SqliteStatement(sqlite3_stmt* statement) : statement_(statement) {}
+  ~SqliteStatement() override { sqlite3_finalize(statement_); }
+
+  void BindInt(int index, int64_t value) override { sqlite3_bind_int64(statement_, index, value); }
+  void BindReal(int index, double value) override { sqlite3_bind_double(statement_, index, value); }
+  void BindText(int index, absl::string_view text) override {
+    sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
+  }
+  void BindBlob(int index, absl::string_view blob) override {
+    // A null pointer would be NULL instead of an empty blob.
+    sqlite3_bind_blob64(statement_, index, blob.empty() ? "" : blob.data(), blob.size(),
+                        SQLITE_STATIC);
+  }
+  void BindNull(int index) override { sqlite3_bind_null(statement_, index); }
+
+  absl::StatusOr<bool> Next() override {
+    const int code = sqlite3_step(statement_);
+    if (code == SQLITE_ROW) return true;
+    if (code == SQLITE_DONE) return false;
+    return ErrorOf(sqlite3_db_handle(statement_), code);
+  }
+  void Reset() override {
+    sqlite3_reset(statement_);
+    sqlite3_clear_bindings(statement_);
+  }
+
+  int64_t Int(int column) const override { return sqlite3_column_int64(statement_, column); }
+  double Real(int column) const override { return sqlite3_column_double(statement_, column); }
+  absl::string_view Bytes(int column) const override {
+    const char* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
+    return {bytes, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
+  }
+  bool IsNull(int column) const override {
+    return sqlite3_column_type(statement_, column) == SQLITE_NULL;
+  }
+
+ private:
+  sqlite3_stmt* const statement_;
+};
+
 }  // namespace
 
-absl::Status StoreUnavailable(absl::string_view why) {
-  return WithDetail(
-      absl::UnavailableError(absl::StrCat("the session store is not available: ", why)),
-      {"STORE_UNAVAILABLE", "", "", ""});
+void SqliteDatabase::CloseFn::operator()(sqlite3* connection) const {
+  sqlite3_close_v2(connection);
 }
 
-void Database::CloseFn::operator()(sqlite3* connection) const { sqlite3_close_v2(connection); }
-
-Database::Database(std::string path, sqlite3* connection)
+SqliteDatabase::SqliteDatabase(std::string path, sqlite3* connection)
     : path_(std::move(path)), connection_(connection) {
   struct stat status = {};
   if (stat(path_.c_str(), &status) != 0) return;
@@ -50,17 +93,15 @@ Database::Database(std::string path, sqlite3* connection)
   inode_ = status.st_ino;
 }
 
-Database::~Database() {
-  for (const auto& [sql, statement] : statements_) sqlite3_finalize(statement);
-}
+SqliteDatabase::~SqliteDatabase() = default;  // statements first
 
-absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& path) {
+absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::string& path) {
   RETURN_IF_ERROR(MakeFile(path));
   const int64_t bytes = SizeOf(path), log_bytes = SizeOf(path + "-wal");
   sqlite3* connection = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &connection,
                                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
-  std::unique_ptr<Database> database(new Database(path, connection));
+  std::unique_ptr<SqliteDatabase> database(new SqliteDatabase(path, connection));
   if (code != SQLITE_OK) return database->Error(code);
   sqlite3_extended_result_codes(connection, 1);
   sqlite3_busy_timeout(connection, kBusyMs);
@@ -71,12 +112,18 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& path
   return database;
 }
 
-absl::Status Database::Execute(const std::string& sql) {
+const SqlDialect& SqliteDatabase::dialect() const {
+  static constexpr SqlDialect kDialect = {
+      "BEGIN IMMEDIATE", "INTEGER PRIMARY KEY", "INTEGER", "REAL", "TEXT", "BLOB", "STRICT"};
+  return kDialect;
+}
+
+absl::Status SqliteDatabase::Execute(const std::string& sql) {
   const int code = sqlite3_exec(connection_.get(), sql.c_str(), nullptr, nullptr, nullptr);
   return code == SQLITE_OK ? absl::OkStatus() : Error(code);
 }
 
-absl::StatusOr<int64_t> Database::Number(const std::string& sql) {
+absl::StatusOr<int64_t> SqliteDatabase::Number(const std::string& sql) {
   int64_t number = 0;
   const int code = sqlite3_exec(
       connection_.get(), sql.c_str(),
@@ -90,113 +137,36 @@ absl::StatusOr<int64_t> Database::Number(const std::string& sql) {
   return number;
 }
 
-bool Database::is_replaced() const {
+absl::StatusOr<int64_t> SqliteDatabase::SchemaVersion() {
+  ASSIGN_OR_RETURN(const int64_t application, Number("PRAGMA application_id"));
+  ASSIGN_OR_RETURN(const int64_t tables, Number("SELECT count(*) FROM sqlite_schema"));
+  if (tables > 0 && application != kApplicationId) {
+    return absl::FailedPreconditionError("the store's file is a database of another program");
+  }
+  return Number("PRAGMA user_version");
+}
+
+absl::Status SqliteDatabase::SetSchemaVersion(int64_t version) {
+  return Execute(absl::StrCat("PRAGMA user_version = ", version,
+                              "; PRAGMA application_id = ", kApplicationId));
+}
+
+bool SqliteDatabase::is_lost() const {
   struct stat status = {};
   return stat(path_.c_str(), &status) != 0 || status.st_dev != device_ || status.st_ino != inode_;
 }
 
-absl::Status Database::Error(int code) const {
-  const char* words =
-      connection_ == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(connection_.get());
-  return StoreUnavailable(absl::StrCat(words, " (SQLite ", code, ")"));
-}
+absl::Status SqliteDatabase::Error(int code) const { return ErrorOf(connection_.get(), code); }
 
-absl::StatusOr<sqlite3_stmt*> Database::Prepare(const char* sql) {
-  sqlite3_stmt*& statement = statements_[sql];
-  if (statement != nullptr) return statement;
-  const int code = sqlite3_prepare_v3(connection_.get(), sql, -1, SQLITE_PREPARE_PERSISTENT,
-                                      &statement, nullptr);
+absl::StatusOr<Statement*> SqliteDatabase::Prepare(const char* sql) {
+  std::unique_ptr<Statement>& statement = statements_[sql];
+  if (statement != nullptr) return statement.get();
+  sqlite3_stmt* prepared = nullptr;
+  const int code =
+      sqlite3_prepare_v3(connection_.get(), sql, -1, SQLITE_PREPARE_PERSISTENT, &prepared, nullptr);
   if (code != SQLITE_OK) return Error(code);
-  return statement;
-}
-
-absl::StatusOr<Query> Query::Make(Database* database, const char* sql) {
-  ASSIGN_OR_RETURN(sqlite3_stmt* const statement, database->Prepare(sql));
-  return Query(database, statement);
-}
-
-Query::Query(Query&& other) noexcept
-    : database_(other.database_),
-      statement_(std::exchange(other.statement_, nullptr)),
-      bound_(other.bound_) {}
-
-Query::~Query() {
-  if (statement_ == nullptr) return;
-  sqlite3_reset(statement_);
-  sqlite3_clear_bindings(statement_);
-}
-
-Query& Query::Bind(int64_t value) {
-  sqlite3_bind_int64(statement_, ++bound_, value);
-  return *this;
-}
-
-Query& Query::Bind(double value) {
-  sqlite3_bind_double(statement_, ++bound_, value);
-  return *this;
-}
-
-Query& Query::Bind(absl::string_view text) {
-  sqlite3_bind_text64(statement_, ++bound_, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
-  return *this;
-}
-
-Query& Query::BindBlob(absl::string_view blob) {
-  // A null pointer would be NULL instead of an empty blob.
-  sqlite3_bind_blob64(statement_, ++bound_, blob.empty() ? "" : blob.data(), blob.size(),
-                      SQLITE_STATIC);
-  return *this;
-}
-
-Query& Query::BindNull() {
-  sqlite3_bind_null(statement_, ++bound_);
-  return *this;
-}
-
-absl::StatusOr<bool> Query::Next() {
-  const int code = sqlite3_step(statement_);
-  if (code == SQLITE_ROW) return true;
-  if (code == SQLITE_DONE) return false;
-  return database_->Error(code);
-}
-
-absl::Status Query::Run() {
-  for (;;) {
-    ASSIGN_OR_RETURN(const bool more, Next());
-    if (!more) return absl::OkStatus();
-  }
-}
-
-int64_t Query::Int(int column) const { return sqlite3_column_int64(statement_, column); }
-
-double Query::Real(int column) const { return sqlite3_column_double(statement_, column); }
-
-absl::string_view Query::Bytes(int column) const {
-  const char* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
-  return {bytes, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
-}
-
-bool Query::IsNull(int column) const {
-  return sqlite3_column_type(statement_, column) == SQLITE_NULL;
-}
-
-absl::StatusOr<Transaction> Transaction::Begin(Database* database) {
-  RETURN_IF_ERROR(database->Execute("BEGIN IMMEDIATE"));
-  return Transaction(database);
-}
-
-Transaction::Transaction(Transaction&& other) noexcept
-    : database_(std::exchange(other.database_, nullptr)) {}
-
-Transaction::~Transaction() {
-  // After some errors SQLite has rolled back by itself, and says so.
-  if (database_ != nullptr) database_->Execute("ROLLBACK").IgnoreError();
-}
-
-absl::Status Transaction::Commit() {
-  RETURN_IF_ERROR(database_->Execute("COMMIT"));
-  database_ = nullptr;
-  return absl::OkStatus();
+  statement = std::make_unique<SqliteStatement>(prepared);
+  return statement.get();
 }
 
 }  // namespace cagefit::server

@@ -6,7 +6,8 @@
 #include <optional>
 
 #include "absl/time/clock.h"
-#include "server/store/sqlite_journal.h"
+#include "server/store/sql_journal.h"
+#include "server/store/sqlite.h"
 #include "tests/server/running_server.h"
 
 namespace cagefit::server {
@@ -101,7 +102,7 @@ TEST_F(DurableServerTest, AStoreThatIsAwayIsUnavailableAndComesBackByItself) {
 
   std::filesystem::remove(path());
   std::filesystem::rename(path() + ".away", path());
-  absl::SleepFor(SqliteJournal::kRetryInterval);
+  absl::SleepFor(SqlJournal::kRetryInterval);
   const auto again = client->OpenStream(id);
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ((*again)->next_sequence_number(), 1u);
@@ -110,7 +111,7 @@ TEST_F(DurableServerTest, AStoreThatIsAwayIsUnavailableAndComesBackByItself) {
 
 TEST_F(DurableServerTest, AStoreOfAnotherProgramIsRefusedAtTheStart) {
   {
-    const auto database = Database::Open(path()).value();
+    const auto database = SqliteDatabase::Open(path()).value();
     ASSERT_TRUE(database->Execute("CREATE TABLE theirs (x)").ok());
   }
   ServerOptions options;

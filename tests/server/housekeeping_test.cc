@@ -55,7 +55,7 @@ class HousekeepingTest : public ::testing::Test {
 
   testing::StoreFile file_;
   testing::FakeTemplates templates_;
-  std::unique_ptr<SqliteJournal> journal_ = file_.Open();
+  std::unique_ptr<SqlJournal> journal_ = file_.Open();
   SessionStore store_{SessionStore::Limits(), journal_.get(), &templates_, testing::NoTime};
   Looks looks_;
   std::optional<Housekeeping> keeper_;

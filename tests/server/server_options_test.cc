@@ -272,7 +272,8 @@ TEST_F(ServerOptionsTest, ABadValueNamesFieldValueAndRange) {
   ExpectRefused({"--max-points=100000001"}, "--max-points is 100000001", "16 to 100000000");
   ExpectRefused({"--template-seconds=0.5"}, "--template-seconds is 0.5", "1 to 86400");
   ExpectRefused({"--threads=-1"}, "--threads is -1", "0 to 1024");
-  ExpectRefused({"--store=disk"}, "--store is disk", "memory or sqlite:PATH");
+  ExpectRefused({"--store=disk"}, "--store is disk", "memory, sqlite:PATH or postgres:URL");
+  ExpectRefused({"--store=postgres://a:secret@b/c"}, "--store is postgres:", "PGPASSWORD");
   ExpectRefused({"--session-ttl-seconds=-1"}, "--session-ttl-seconds is -1", "0 to 1000000000");
   ExpectRefused({"--log-level=loud"}, "--log-level is loud", "trace, debug");
   ExpectRefused({"--max-points=many"}, "max-points", "many");

@@ -1,10 +1,11 @@
 // Kills the server over and over while a client streams, and checks what the client saw.
 //
-//   kill_server [--kills 500] [--seed 1] [--server cagefitd] -- SERVER ARGUMENTS (--store ...)
+//   kill_server [--kills 500] [--seed 1] [--server cagefitd] [--postgres | -- --store ...]
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <iostream>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -14,6 +15,7 @@
 #include "tests/soak/sequence.h"
 #include "tests/soak/soak_server.h"
 #include "tests/soak/verdict.h"
+#include "tests/support/postgres_server.h"
 
 namespace cagefit::testing {
 namespace {
@@ -23,6 +25,7 @@ struct Options {
   uint64_t seed = 1;
   uint64_t frames = 200;  // of a session; as many sessions as the kills take
   double restart_seconds = 2;
+  bool postgres = false;  // a store of its own
   std::string server;
   std::vector<std::string> server_arguments;
 };
@@ -110,7 +113,12 @@ class Session {
 
 absl::Status Run(const Options& options) {
   std::mt19937_64 random(options.seed);
-  SoakServer server(options.server, options.server_arguments);
+  std::optional<PostgresServer> postgres;
+  std::vector<std::string> arguments = options.server_arguments;
+  if (options.postgres) {
+    arguments.insert(arguments.end(), {"--store", "postgres:" + postgres.emplace().NewDatabase()});
+  }
+  SoakServer server(options.server, arguments);
   RETURN_IF_ERROR(server.Start());
   ASSIGN_OR_RETURN(const auto undisturbed, UndisturbedBits(options.frames));
   absl::Duration slowest;
@@ -139,6 +147,7 @@ int main(int argc, char** argv) {
   app.add_option("--frames", options.frames, "Of a session")->capture_default_str();
   app.add_option("--restart-seconds", options.restart_seconds, "Until the first new answer")
       ->capture_default_str();
+  app.add_flag("--postgres", options.postgres, "Keep sessions in a PostgreSQL of its own");
   app.add_option("--server", options.server)->capture_default_str();
   app.add_option("server_arguments", options.server_arguments, "Behind --");
   CLI11_PARSE(app, argc, argv);

@@ -1,4 +1,4 @@
-// A server that is told to end under live streams, and a second one that goes on with its store.
+// Servers of one store: what one has begun, another goes on with.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -13,6 +13,7 @@
 #include "tests/soak/sequence.h"
 #include "tests/soak/soak_server.h"
 #include "tests/soak/verdict.h"
+#include "tests/support/postgres_server.h"
 
 namespace cagefit::testing {
 namespace {
@@ -68,6 +69,53 @@ TEST(TakeOverTest, StreamsGoOnAtASecondServerOfTheSameStore) {
     EXPECT_EQ(Judge(stream.history, *undisturbed), absl::OkStatus());
     EXPECT_EQ(CheckStored(stream.run.session_id, kFrames, server.address()), absl::OkStatus());
   }
+}
+
+TEST(TakeOverTest, AnyReplicaGoesOnWithAnySession) {
+  constexpr uint64_t kReplicaFrames = 40;
+  const auto undisturbed = UndisturbedBits(kReplicaFrames);
+  ASSERT_TRUE(undisturbed.ok()) << undisturbed.status();
+  PostgresServer postgres;
+  const std::string store = "postgres:" + postgres.NewDatabase();
+  std::deque<SoakServer> replicas;
+  for (int k = 0; k < 2; ++k) {
+    replicas.emplace_back(ProgramBeside("cagefitd"), std::vector<std::string>{"--store", store});
+    ASSERT_EQ(replicas.back().Start(), absl::OkStatus());
+  }
+  LiveStream stream;
+  stream.run.session_id = client::FitClient::Connect({replicas[0].address()})
+                              .value()
+                              ->CreateSession(SoakSession())
+                              ->session_id();
+  stream.run.seen = [&stream](const History::Event& event) {
+    stream.history.Add(event);
+    if (event.kind == History::Event::Kind::kAnswered) ++stream.answered;
+  };
+  // In turn, all alive: whoever has had the session before has to notice that it has moved on.
+  for (; stream.answered < 20;) {
+    stream.run.address = replicas[stream.answered / 5 % 2].address();
+    stream.run.first = stream.answered;
+    stream.run.frames = stream.answered + 5;
+    ASSERT_EQ(StreamToEnd(stream.run), absl::OkStatus());
+  }
+  // And when one is killed.
+  stream.run.address = replicas[0].address();
+  stream.run.first = stream.answered;
+  stream.run.frames = kReplicaFrames;
+  stream.run.patience = absl::ZeroDuration();
+  std::thread killer([&] {
+    while (stream.answered < 30) absl::SleepFor(absl::Milliseconds(1));
+    replicas[0].Kill();
+  });
+  EXPECT_FALSE(StreamToEnd(stream.run).ok());
+  killer.join();
+  stream.run.address = replicas[1].address();
+  stream.run.first = stream.answered;
+  stream.run.patience = absl::Seconds(60);
+  EXPECT_EQ(StreamToEnd(stream.run), absl::OkStatus());
+  EXPECT_EQ(Judge(stream.history, *undisturbed), absl::OkStatus());
+  EXPECT_EQ(CheckStored(stream.run.session_id, kReplicaFrames, replicas[1].address()),
+            absl::OkStatus());
 }
 
 }  // namespace

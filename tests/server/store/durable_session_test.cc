@@ -39,7 +39,7 @@ class Process {
  private:
   static double NoTime() { return 0; }
   testing::FakeTemplates templates_;
-  std::unique_ptr<SqliteJournal> journal_;
+  std::unique_ptr<SqlJournal> journal_;
   SessionStore store_;
   std::optional<SessionStore::OpenedStream> opened_;
 };
@@ -132,6 +132,29 @@ TEST_P(DurableSessionTest, ARepeatedFrameGetsItsAnswerFromTheFile) {
 INSTANTIATE_TEST_SUITE_P(All, DurableSessionTest,
                          ::testing::Values("cage", "made", "positions", "tolerance"),
                          [](const auto& info) { return std::string(info.param); });
+
+TEST(SharedStoreTest, WhatAnotherServerDidIsSeen) {
+  const testing::StoreFile file;
+  Process here(file), there(file);
+  const std::string id = (*here.store().Create(Principal(), CageConfig(), absl::Now()))->id();
+  const auto answered = [&id](Process& process) {
+    return process.store().Find(id).value()->Facts().next_sequence_number;
+  };
+  EXPECT_EQ(answered(here), 0u);
+  there.Open(id);
+  there.Answer(MovingFrame(0));
+  EXPECT_EQ(answered(here), 1u);
+  EXPECT_EQ(here.store().List("", "", 9).value()[0]->Facts().fitted_frames, 1u);
+  here.Open(id);
+  EXPECT_EQ(here.next_sequence_number(), 1u);
+  here.Answer(MovingFrame(1));
+  there.Open(id);
+  EXPECT_EQ(there.next_sequence_number(), 2u);
+  EXPECT_EQ(there.store().Delete(id), absl::OkStatus());
+  const SessionLease lease = here.store().Lease(id).value();  // its stream here does not know yet
+  const auto refused = lease->Answer(MovingFrame(2), 2, nullptr);
+  EXPECT_EQ(testing::ReasonOf(refused.status()), "SESSION_DELETED") << refused.status();
+}
 
 TEST(UnloadTest, AnUnloadedSessionGoesOnWithTheSameBits) {
   const testing::StoreFile kept_file, unloaded_file;

@@ -5,6 +5,7 @@
 
 #include "server/store/memory_journal.h"
 #include "tests/server/store/store_fixture.h"
+#include "tests/support/postgres_server.h"
 
 namespace cagefit::server {
 namespace {
@@ -18,6 +19,9 @@ class JournalTest : public ::testing::TestWithParam<const char*> {
   JournalTest() {
     if (std::string(GetParam()) == "memory") {
       journal_ = std::make_unique<MemoryJournal>();
+    } else if (std::string(GetParam()) == "postgres") {
+      static cagefit::testing::PostgresServer server;
+      journal_ = testing::OpenPostgres(server.NewDatabase(), &codec_);
     } else {
       journal_ = file_.Open();
     }
@@ -25,6 +29,7 @@ class JournalTest : public ::testing::TestWithParam<const char*> {
   uint64_t Open(const std::string& id) { return journal_->RaiseEpoch(id)->epoch; }
 
   testing::StoreFile file_;
+  ProtoRecordCodec codec_;
   std::unique_ptr<Journal> journal_;
 };
 
@@ -191,7 +196,7 @@ TEST_P(JournalTest, TellsWhatWasNotUsed) {
   EXPECT_EQ(journal_->UnusedSince(then, 9).value(), std::vector<std::string>{"c"});
 }
 
-INSTANTIATE_TEST_SUITE_P(All, JournalTest, ::testing::Values("memory", "sqlite"),
+INSTANTIATE_TEST_SUITE_P(All, JournalTest, ::testing::Values("memory", "sqlite", "postgres"),
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace

@@ -8,7 +8,9 @@
 namespace cagefit::server {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class OpenJournalTest : public ::testing::Test {
  protected:
@@ -34,10 +36,23 @@ TEST_F(OpenJournalTest, NamesTheFolderThatCannotBeMade) {
 }
 
 TEST_F(OpenJournalTest, RefusesOtherNames) {
-  for (const char* name : {"", "sqlite:", "postgres:x", "Memory"}) {
+  for (const char* name : {"", "sqlite:", "postgres:", "postgres:x", "Memory"}) {
     const auto journal = OpenJournal(name, &codec_);
     EXPECT_TRUE(absl::IsInvalidArgument(journal.status())) << name;
   }
+}
+
+TEST_F(OpenJournalTest, APasswordStaysOutOfTheName) {
+  const auto journal = OpenJournal("postgres://somebody:secret@db/cagefit", &codec_);
+  EXPECT_TRUE(absl::IsInvalidArgument(journal.status()));
+  EXPECT_THAT(std::string(journal.status().message()),
+              AllOf(HasSubstr("PGPASSWORD"), Not(HasSubstr("secret"))));
+}
+
+TEST_F(OpenJournalTest, ADatabaseThatIsAwayIsNoError) {
+  const auto journal = OpenJournal("postgres://127.0.0.1:1/cagefit", &codec_);
+  ASSERT_TRUE(journal.ok()) << journal.status();
+  EXPECT_EQ(testing::ReasonOf((*journal)->Probe()), "STORE_UNAVAILABLE");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 class SchemaTest : public ::testing::Test {
  protected:
   testing::StoreFile file_;
-  std::unique_ptr<Database> database_ = Database::Open(file_.path()).value();
+  std::unique_ptr<SqliteDatabase> database_ = SqliteDatabase::Open(file_.path()).value();
   const std::vector<std::string> first_ = {"CREATE TABLE a (x INTEGER)"};
   const std::vector<std::string> second_ = {first_[0], "ALTER TABLE a ADD COLUMN y DEFAULT 7"};
 };

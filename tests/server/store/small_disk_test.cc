@@ -23,7 +23,7 @@ class SmallDiskTest : public ::testing::Test {
     if (!mounted) {
       GTEST_SKIP() << "no right to mount a disk; SqliteJournalTest has a full one without";
     }
-    journal_ = SqliteJournal::Open(folder_.path() + "/sessions.db", &codec_).value();
+    journal_ = testing::OpenFile(folder_.path() + "/sessions.db", &codec_);
     ASSERT_TRUE(journal_->Create(RecordOf("one")).ok());
     epoch_ = journal_->RaiseEpoch("one")->epoch;
   }
@@ -40,7 +40,7 @@ class SmallDiskTest : public ::testing::Test {
     ASSERT_EQ(mount(nullptr, folder_.path().c_str(), nullptr, MS_REMOUNT | flags, options), 0);
   }
   absl::Status ProbeAgain() {
-    absl::SleepFor(SqliteJournal::kRetryInterval);
+    absl::SleepFor(SqlJournal::kRetryInterval);
     return journal_->Probe();
   }
   // Everything that was stored is there, and it goes on behind it.
@@ -53,7 +53,7 @@ class SmallDiskTest : public ::testing::Test {
 
   PrivateFolder folder_ = PrivateFolder::Create().value();
   ProtoRecordCodec codec_;
-  std::unique_ptr<SqliteJournal> journal_;
+  std::unique_ptr<SqlJournal> journal_;
   uint64_t epoch_ = 0;
 };
 
@@ -73,7 +73,7 @@ TEST_F(SmallDiskTest, AReadOnlyOneIsUnavailableAndPasses) {
   ASSERT_EQ(Append(0), absl::OkStatus());
   journal_.reset();  // nothing can be mounted so while a file is open for writing
   Remount(MS_RDONLY, "size=16m");
-  journal_ = SqliteJournal::Open(folder_.path() + "/sessions.db", &codec_).value();
+  journal_ = testing::OpenFile(folder_.path() + "/sessions.db", &codec_);
   EXPECT_TRUE(absl::IsUnavailable(Append(1)));
   EXPECT_FALSE(ProbeAgain().ok());
   Remount(0, "size=16m");

@@ -1,5 +1,3 @@
-#include "server/store/sqlite_journal.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -12,6 +10,8 @@
 #include <random>
 
 #include "absl/time/clock.h"
+#include "server/store/sql_journal.h"
+#include "server/store/sqlite.h"
 #include "tests/server/store/store_fixture.h"
 
 namespace cagefit::server {
@@ -25,8 +25,8 @@ using testing::RejectedAnswer;
 class SqliteJournalTest : public ::testing::Test {
  protected:
   // Waits as long as the journal does before it tries again.
-  static absl::Status ProbeAgain(SqliteJournal* journal) {
-    absl::SleepFor(SqliteJournal::kRetryInterval);
+  static absl::Status ProbeAgain(SqlJournal* journal) {
+    absl::SleepFor(SqlJournal::kRetryInterval);
     return journal->Probe();
   }
   testing::StoreFile file_;
@@ -80,7 +80,7 @@ TEST_F(SqliteJournalTest, AnAnswerIsNeverStoredTwice) {
   ASSERT_TRUE(journal->Append("one", epoch, RejectedAnswer(0), nullptr).ok());
   // As after a commit that seemed to fail: the stream's own epoch, but no longer the next frame.
   EXPECT_TRUE(absl::IsUnavailable(journal->Append("one", epoch, RejectedAnswer(0), nullptr)));
-  absl::SleepFor(SqliteJournal::kRetryInterval);
+  absl::SleepFor(SqlJournal::kRetryInterval);
   EXPECT_EQ(journal->Outlines("one")->size(), 1u);
 }
 
@@ -154,7 +154,7 @@ TEST_F(SqliteJournalTest, ADamagedRecordIsDataLossOfItsSessionAlone) {
     }
   }
   {
-    const auto database = Database::Open(file_.path()).value();
+    const auto database = SqliteDatabase::Open(file_.path()).value();
     ASSERT_TRUE(database
                     ->Execute("UPDATE frame SET record = x'0a0b' WHERE session = 1;"
                               "UPDATE session SET template = x'0a0b' WHERE id = 'one'")

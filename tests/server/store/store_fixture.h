@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "server/session/private_folder.h"
-#include "server/store/sqlite_journal.h"
+#include "server/store/postgres.h"
+#include "server/store/sql_journal.h"
+#include "server/store/sqlite.h"
 #include "server/transport/record_convert.h"
 #include "tests/server/session/session_fixture.h"
 
@@ -33,14 +35,20 @@ inline std::shared_ptr<StoredFrame> RejectedAnswer(uint64_t number) {
   return frame;
 }
 
+inline std::unique_ptr<SqlJournal> OpenFile(const std::string& path, const RecordCodec* codec) {
+  return SqlJournal::Open([path] { return SqliteDatabase::Open(path); }, 1, codec).value();
+}
+
+inline std::unique_ptr<SqlJournal> OpenPostgres(const std::string& url, const RecordCodec* codec) {
+  return SqlJournal::Open([url] { return PostgresDatabase::Open(url); }, 3, codec).value();
+}
+
 // A file in a folder of its own.
 class StoreFile {
  public:
   std::string folder() const { return folder_.path(); }
   std::string path() const { return folder_.path() + "/sessions.db"; }
-  std::unique_ptr<SqliteJournal> Open() const {
-    return SqliteJournal::Open(path(), &codec_).value();
-  }
+  std::unique_ptr<SqlJournal> Open() const { return OpenFile(path(), &codec_); }
 
  private:
   PrivateFolder folder_ = PrivateFolder::Create().value();

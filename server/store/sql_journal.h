@@ -1,33 +1,36 @@
-// Sessions in a SQLite file: they survive the process, and the machine.
-#ifndef CAGEFIT_SERVER_STORE_SQLITE_JOURNAL_H_
-#define CAGEFIT_SERVER_STORE_SQLITE_JOURNAL_H_
+// Sessions in a SQL database: they survive the process, and the machine.
+#ifndef CAGEFIT_SERVER_STORE_SQL_JOURNAL_H_
+#define CAGEFIT_SERVER_STORE_SQL_JOURNAL_H_
 
+#include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/session/journal.h"
 #include "server/session/metrics.h"
 #include "server/session/record_codec.h"
-#include "server/store/sqlite.h"
+#include "server/store/database.h"
 
 namespace cagefit::server {
 
-// Several processes may have one file open: epochs say whose answers count. After an error of the
-// disk the file is opened anew for the next call, at most every kRetryInterval.
-class SqliteJournal final : public Journal {
+// Several processes may use one database: epochs say whose answers count. After an error of the
+// database its connection is closed, and opened anew for the next call, at most every
+// kRetryInterval.
+class SqlJournal final : public Journal {
  public:
   static constexpr absl::Duration kRetryInterval = absl::Milliseconds(200);
+  using ConnectFn = std::function<absl::StatusOr<std::unique_ptr<Database>>()>;
 
-  // `codec`, and `commits`, which may be null and is told how long commits of answers take, must
-  // outlive the journal. A file that cannot be used for now is no error here: Probe
-  // says so, and whether it can be later. FAILED_PRECONDITION when its folder is missing, when it
-  // is another program's database, or a store of a later version.
-  static absl::StatusOr<std::unique_ptr<SqliteJournal>> Open(const std::string& path,
-                                                             const RecordCodec* codec,
-                                                             LatencyHistogram* commits = nullptr);
+  // At most `connections` at a time. `codec`, and `commits`, which may be null and is told how long
+  // commits of answers take, must outlive the journal. A database that cannot be used for now is no
+  // error here: Probe says so, and whether it can be later. FAILED_PRECONDITION when it is another
+  // program's, or a store of a later version.
+  static absl::StatusOr<std::unique_ptr<SqlJournal>> Open(ConnectFn connect, int connections,
+                                                          const RecordCodec* codec,
+                                                          LatencyHistogram* commits = nullptr);
 
   absl::Status Create(const SessionRecord& record) override;
   absl::StatusOr<SessionRecord> Load(const std::string& id) override;
@@ -48,33 +51,36 @@ class SqliteJournal final : public Journal {
   absl::StatusOr<std::vector<FrameOutline>> Outlines(const std::string& id) override;
   absl::Status Touch(const std::vector<std::string>& ids, absl::Time now) override;
   absl::StatusOr<std::vector<std::string>> UnusedSince(absl::Time time, size_t count) override;
-  // Writes a little and, when the file could not be used before, as much as a frame may need.
+  // Writes a little and, when the database could not be used before, as much as a frame may need.
   absl::Status Probe() override;
   bool is_durable() const override { return true; }
 
  private:
-  SqliteJournal(std::string path, const RecordCodec* codec, LatencyHistogram* commits)
-      : path_(std::move(path)), codec_(codec), commits_(commits) {}
+  SqlJournal(ConnectFn connect, int connections, const RecordCodec* codec,
+             LatencyHistogram* commits)
+      : connect_(std::move(connect)), connections_(connections), codec_(codec), commits_(commits) {}
 
-  // What `work` says, with the connection, one caller at a time. Closes it after an error of the
-  // store's.
+  // What `work` says, with a connection of its own. Closes it after an error of the store's.
   template <typename Work>
   auto With(const Work& work) -> decltype(work(static_cast<Database*>(nullptr)));
 
-  // Under the mutex.
-  absl::Status Connect();
-  absl::StatusOr<Database*> Connection();
+  absl::StatusOr<std::unique_ptr<Database>> Take();  // waits for one
+  absl::StatusOr<std::unique_ptr<Database>> Connect();
+  void GiveBack(std::unique_ptr<Database> database, const absl::Status& status);
 
-  const std::string path_;
+  const ConnectFn connect_;
+  const int connections_;
   const RecordCodec* const codec_;
   LatencyHistogram* const commits_;  // may be null
 
   std::mutex mutex_;
-  std::unique_ptr<Database> database_;  // null: away
-  absl::Status away_;                   // why
+  std::condition_variable given_back_;
+  std::vector<std::unique_ptr<Database>> idle_;
+  int taken_ = 0;      // or being opened
+  absl::Status away_;  // why, when none could be opened, or used, the last time
   absl::Time last_try_ = absl::InfinitePast();
 };
 
 }  // namespace cagefit::server
 
-#endif  // CAGEFIT_SERVER_STORE_SQLITE_JOURNAL_H_
+#endif  // CAGEFIT_SERVER_STORE_SQL_JOURNAL_H_
