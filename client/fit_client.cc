@@ -11,6 +11,7 @@
 #include "client/channel.h"
 #include "client/frame_stream_call.h"
 #include "client/mesh_from_proto.h"
+#include "client/session_header.h"
 #include "client/status_from_grpc.h"
 #include "core/base/status.h"
 #include "grpc/health/v1/health.grpc.pb.h"
@@ -118,6 +119,7 @@ absl::StatusOr<v1::Session> FitClient::CreateSession(const v1::CreateSessionRequ
 
 absl::StatusOr<v1::Session> FitClient::GetSession(const std::string& session_id) {
   grpc::ClientContext context;
+  AddSessionHeader(session_id, &context);
   v1::GetSessionRequest request;
   request.set_session_id(session_id);
   v1::Session session;
@@ -140,6 +142,7 @@ absl::StatusOr<std::vector<v1::Session>> FitClient::ListSessions() {
 
 absl::Status FitClient::DeleteSession(const std::string& session_id) {
   grpc::ClientContext context;
+  AddSessionHeader(session_id, &context);
   v1::DeleteSessionRequest request;
   request.set_session_id(session_id);
   google::protobuf::Empty response;
@@ -148,6 +151,7 @@ absl::Status FitClient::DeleteSession(const std::string& session_id) {
 
 absl::StatusOr<ControlMesh> FitClient::GetControlMesh(const v1::GetControlMeshRequest& request) {
   grpc::ClientContext context;
+  AddSessionHeader(request.session_id(), &context);
   ASSIGN_OR_RETURN(const std::string blob,
                    ReadBlob(&context, connection_->stub->GetControlMesh(&context, request)));
   v1::ControlMesh mesh;
@@ -157,11 +161,13 @@ absl::StatusOr<ControlMesh> FitClient::GetControlMesh(const v1::GetControlMeshRe
 
 absl::StatusOr<std::string> FitClient::GetSurface(const v1::GetSurfaceRequest& request) {
   grpc::ClientContext context;
+  AddSessionHeader(request.session_id(), &context);
   return ReadBlob(&context, connection_->stub->GetSurface(&context, request));
 }
 
 absl::StatusOr<v1::Stencils> FitClient::GetStencils(const v1::GetStencilsRequest& request) {
   grpc::ClientContext context;
+  AddSessionHeader(request.session_id(), &context);
   ASSIGN_OR_RETURN(const std::string blob,
                    ReadBlob(&context, connection_->stub->GetStencils(&context, request)));
   v1::Stencils stencils;
@@ -172,6 +178,7 @@ absl::StatusOr<v1::Stencils> FitClient::GetStencils(const v1::GetStencilsRequest
 absl::StatusOr<v1::EvaluateLossReply> FitClient::EvaluateLoss(
     const v1::EvaluateLossRequest& request) {
   grpc::ClientContext context;
+  AddSessionHeader(request.session_id(), &context);
   auto stream = connection_->stub->EvaluateLoss(&context);
   WriteBlob<v1::DataChunk>(request.SerializeAsString(), stream.get());
   ASSIGN_OR_RETURN(const std::string blob, ReadBlob(&context, std::move(stream)));
@@ -196,6 +203,7 @@ absl::StatusOr<std::unique_ptr<FrameStream>> FitClient::OpenStream(const std::st
 absl::Status FitClient::GetReplies(const v1::GetRepliesRequest& request,
                                    const std::function<absl::Status(FittedFrame)>& take) {
   grpc::ClientContext context;
+  AddSessionHeader(request.session_id(), &context);
   const auto reader = connection_->stub->GetReplies(&context, request);
   DeltaDecoder decoder;
   absl::Status status;

@@ -12,6 +12,7 @@
 #include "client/delta_decoder.h"
 #include "client/fit_client.h"
 #include "client/frame_stream_call.h"
+#include "client/session_header.h"
 #include "client/status_from_grpc.h"
 
 namespace cagefit::client {
@@ -33,6 +34,7 @@ void Fill(absl::Time time, google::protobuf::Timestamp* proto) {
 FrameStream::Call::Call(v1::Fitting::Stub* stub, std::string session_id, v1::FrameMode mode,
                         absl::Time deadline)
     : stub(stub), session_id(std::move(session_id)), mode(mode) {
+  AddSessionHeader(this->session_id, &context);
   if (deadline != absl::InfiniteFuture()) context.set_deadline(absl::ToChronoTime(deadline));
 }
 
