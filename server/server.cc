@@ -63,10 +63,10 @@ int64_t QuotaBytes(const ServerOptions& options) {
   return std::min(kNetworkQuotaBytes, MaxMemoryBytes(options) / 8);
 }
 
-// What is counted may take: connections have theirs, and the allocator needs a tenth for what is
-// between.
+// What is counted may take: connections have theirs, and what the allocator holds between was seen
+// to be up to a tenth.
 int64_t CountedBytes(const ServerOptions& options) {
-  return (MaxMemoryBytes(options) - QuotaBytes(options) - kBaseBytes) / 10 * 9;
+  return (MaxMemoryBytes(options) - QuotaBytes(options) - kBaseBytes) / 20 * 17;
 }
 
 SessionStore::Limits StoreLimits(const ServerOptions& options, MemoryAccount* memory) {

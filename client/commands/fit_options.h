@@ -26,6 +26,9 @@ struct FitArguments {
   int position_bits = 16;
   int threads = 0;  // of the server inside; 0: one per core
   uint64_t from_frame = 0;
+  std::vector<std::string> formats;  // beside .obj
+  double frames_per_second = 24, metres_per_unit = 1;
+  std::string up_axis = "Y";
   bool keep_session = false, quick = false, json = false, round_trip = false;
   bool follow = false;
   double give_up = 60;                        // seconds, of a server that stays away

@@ -1,0 +1,39 @@
+// A fitted sequence as a USD scene, which 3D programs open as an animated subdivision surface.
+#ifndef CAGEFIT_CLIENT_IO_USD_WRITER_H_
+#define CAGEFIT_CLIENT_IO_USD_WRITER_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/mesh/control_mesh.h"
+
+namespace cagefit::client {
+
+// Control vertices over time: `frames` ascend, and each has 3 x n vertices of `cage`.
+struct MeshSequence {
+  struct Frame {
+    int64_t number = 0;
+    const Points3d* vertices = nullptr;
+  };
+  const ControlMesh* cage = nullptr;
+  std::vector<Frame> frames;
+};
+
+struct SceneSettings {
+  double frames_per_second = 24;
+  double metres_per_unit = 1;
+  char up_axis = 'Y';  // or 'Z'
+};
+
+// A .usda file [https://openusd.org/release/spec_usdgeom.html]: one Mesh with subdivisionScheme
+// "loop", its creases and corners, points and extent at the time code of each frame. OpenSubdiv,
+// which USD renders with, makes of it the surface that was fitted, to a float's precision. Whole or
+// not at all: written beside and renamed. INVALID_ARGUMENT without a frame.
+absl::Status WriteUsd(const std::string& path, const MeshSequence& sequence,
+                      const SceneSettings& settings);
+
+}  // namespace cagefit::client
+
+#endif  // CAGEFIT_CLIENT_IO_USD_WRITER_H_
