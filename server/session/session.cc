@@ -115,8 +115,8 @@ absl::Status OtherBytes(uint64_t number) {
 Session::Session(std::shared_ptr<SessionLedger> ledger, TemplateMaker* templates, ClockFn clock)
     : ledger_(std::move(ledger)), templates_(templates), clock_(std::move(clock)) {}
 
-absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
-                                            const CancelFn& cancelled) {
+absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled,
+                                            const Turns& turns) {
   RETURN_IF_ERROR(ledger_->CheckEpoch(epoch));
   RETURN_IF_ERROR(Restore());
   if (stream_epoch_ != epoch) key_needed_ = true;
@@ -128,12 +128,22 @@ absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch,
   RETURN_IF_ERROR(ledger_->CheckRoom());
 
   ASSIGN_OR_RETURN(const int begun, ledger_->Begin(epoch));
+  bool is_counted = true;
+  const CancelFn goes_on_in_turn = [&] {
+    if (cancelled && cancelled()) return true;
+    if (begun > 1 || !turns.is_over || !turns.is_over()) return false;
+    // Whatever ends the process meanwhile, it is not this frame.
+    ledger_->Abandon(expected).IgnoreError();
+    turns.give_way();
+    is_counted = ledger_->Begin(epoch).ok();  // if not, the answer will not be stored, either
+    return cancelled && cancelled();
+  };
   Step step;
-  auto answer = AnswerNext(frame, begun, cancelled, &step);
+  auto answer = AnswerNext(frame, begun, goes_on_in_turn, &step);
   if (!answer.ok()) {
     // What is the end of the stream here has not harmed the process. Where even that cannot be
     // written, the frame has one try less.
-    ledger_->Abandon(expected).IgnoreError();
+    if (is_counted) ledger_->Abandon(expected).IgnoreError();
     return answer.status();
   }
   RETURN_IF_ERROR(Store(epoch, *answer, std::move(step)));

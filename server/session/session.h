@@ -3,6 +3,7 @@
 #define CAGEFIT_SERVER_SESSION_SESSION_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -42,17 +43,25 @@ class Session {
 
   const std::shared_ptr<SessionLedger>& ledger() const { return ledger_; }
 
+  // When a fit lets others go first.
+  struct Turns {
+    std::function<bool()> is_over;   // null: never
+    std::function<void()> give_way;  // returns when it is the fit's turn again
+  };
+
   // Answers a decoded frame that came by the stream of `epoch`.
   //
   // The next number is fitted, or rejected for good with INVALID_ARGUMENT or INTERNAL in the
   // answer, and stored. One whose fit was begun kMostBegun times, and each time took the process
-  // down with it, is rejected as well: INTERNAL, reason POISON_FRAME. An earlier number gets its
+  // down with it, is rejected as well: INTERNAL, reason POISON_FRAME. A fit that waits for its turn
+  // is not suspected, and one that was suspected before runs to its end. An earlier number gets its
   // stored answer. An error leaves the session as it was, stores nothing and is the end of the
   // stream: DATA_LOSS for a ledger that does not replay, ALREADY_EXISTS for an earlier number with
   // other bytes, OUT_OF_RANGE naming the expected number for a later one, ABORTED when the epoch
   // has passed, UNAVAILABLE when the journal cannot be read or written, CANCELLED,
   // RESOURCE_EXHAUSTED, FAILED_PRECONDITION.
-  absl::StatusOr<FrameAnswer> Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled);
+  absl::StatusOr<FrameAnswer> Answer(Frame frame, uint64_t epoch, const CancelFn& cancelled,
+                                     const Turns& turns = {});
   static constexpr int kMostBegun = 3;
 
   // Answers a frame that is not to be fitted, likewise. The surface stays as it was.

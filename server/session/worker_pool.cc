@@ -142,13 +142,25 @@ void WorkerPool::EndTask(const std::string& key, Lane* lane) {
   }
 }
 
+bool WorkerPool::IsOvertaken() {
+  if (here.pool != this || clock_() - here.since < kSliceMs) return false;
+  const std::string& key = *here.key;
+  std::lock_guard<std::mutex> lock(mutex_);
+  Lane& lane = lanes_.at(key);
+  Charge(key, &lane);
+  if (IsOvertaken(key)) return true;
+  turns_.GoOn(key);
+  here.since = lane.since;
+  return false;
+}
+
 void WorkerPool::GiveWay() {
   if (here.pool != this || clock_() - here.since < kSliceMs) return;
   const std::string& key = *here.key;
   std::unique_lock<std::mutex> lock(mutex_);
   Lane& lane = lanes_.at(key);
   Charge(key, &lane);
-  if (paused_ < max_paused_ && turns_.IsOvertaken(key)) {
+  if (IsOvertaken(key)) {
     turns_.Release(key);
     turns_.Add(key, lane.priority);
     lane.paused = true;

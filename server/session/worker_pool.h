@@ -49,6 +49,8 @@ class WorkerPool {
   // Called by a task of this pool wherever it may be interrupted: returns once it is its key's turn
   // again. Cheap when it is. Does nothing on other threads.
   void GiveWay();
+  // Whether GiveWay would let another go first. Cheap until the slice is over.
+  bool IsOvertaken();
 
  private:
   struct QueuedTask {
@@ -69,6 +71,9 @@ class WorkerPool {
   // All under the lock.
   void Dispatch();
   void Charge(const std::string& key, Lane* lane);
+  bool IsOvertaken(const std::string& key) const {
+    return paused_ < max_paused_ && turns_.IsOvertaken(key);
+  }
   void EndTask(const std::string& key, Lane* lane);
   absl::Duration RetryAfter() const;
 

@@ -209,11 +209,11 @@ absl::StatusOr<FrameAnswer> FitFramesCall::Answer(Frame frame) {
   if (frame.cloud.ok()) {
     RETURN_IF_ERROR(session.Reserve(SessionLease::Work::kFit, frame.cloud->size()));
   }
-  ASSIGN_OR_RETURN(FrameAnswer answer, session->Answer(std::move(frame), epoch_, [this] {
-    if (abandoned_) return true;
-    state_->scheduler->fits.GiveWay();
-    return abandoned_.load();
-  }));
+  WorkerPool& fits = state_->scheduler->fits;
+  ASSIGN_OR_RETURN(
+      FrameAnswer answer,
+      session->Answer(std::move(frame), epoch_, [this] { return abandoned_.load(); },
+                      {[&fits] { return fits.IsOvertaken(); }, [&fits] { fits.GiveWay(); }}));
   CAGEFIT_FAIL_POINT("stream.before_reply", answer.frame->sequence_number);
   return answer;
 }

@@ -26,7 +26,7 @@ namespace {
 struct Options {
   int replicas = 3, streams = 30, kills = 100;
   uint64_t seed = 1;
-  uint64_t frames = 100;  // of a session; each stream makes one after the other
+  uint64_t frames = 40;  // of a session; each stream makes one after the other
   double seconds = 20;    // that throughput is measured for
   double longest_gap = 5;
   std::string server;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <regex>
 
@@ -45,7 +46,8 @@ class UsdWriterTest : public ::testing::Test {
     return ControlMesh::Create(V, F, {{{0, 2}}, {1, 3}}).value();
   }
   static std::string Written(const MeshSequence& sequence, const SceneSettings& settings = {}) {
-    const std::string path = ::testing::TempDir() + "sequence.usda";
+    const std::string path =
+        ::testing::TempDir() + "sequence_" + std::to_string(getpid()) + ".usda";
     EXPECT_EQ(WriteUsd(path, sequence, settings), absl::OkStatus());
     return ReadFileBytes(path, 1 << 20).value();
   }

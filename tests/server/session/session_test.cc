@@ -363,6 +363,32 @@ TEST(SessionTest, AFrameThatWasCancelledOftenIsNoPoison) {
   EXPECT_EQ(answer->frame->outcome, Outcome::kFitted);
 }
 
+TEST(SessionTest, AFitThatWaitsForItsTurnIsNotSuspected) {
+  OpenSession open(CageConfig());
+  int waits = 0;
+  const auto answer = open.session.Answer(MovingFrame(0), open.epoch, nullptr,
+                                          {[&] { return waits < 3; },
+                                           [&] {
+                                             ++waits;
+                                             // Were the process to end now: the first try.
+                                             EXPECT_EQ(open.ledger->Begin(open.epoch).value(), 1);
+                                             EXPECT_TRUE(open.ledger->Abandon(0).ok());
+                                           }});
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->frame->outcome, Outcome::kFitted);
+  EXPECT_EQ(waits, 3);
+}
+
+TEST(SessionTest, AFitUnderSuspicionRunsToItsEnd) {
+  OpenSession open(CageConfig());
+  EXPECT_EQ(open.ledger->Begin(open.epoch).value(), 1);  // and the process ended
+  const auto answer =
+      open.session.Answer(MovingFrame(0), open.epoch, nullptr,
+                          {[] { return true; }, [] { ADD_FAILURE() << "it gave way"; }});
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->frame->outcome, Outcome::kFitted);
+}
+
 TEST(SessionTest, SendsAKeyFrameAtEveryKeyInterval) {
   SessionConfig config = CageConfig();
   config.key_interval = 3;
