@@ -49,7 +49,7 @@ NginxProxy::NginxProxy(const std::vector<std::string>& replicas)
     : folder_(NewFolder()), address_(absl::StrCat("unix:", folder_, "/socket")) {
   std::string servers;
   for (const std::string& replica : replicas) {
-    absl::StrAppend(&servers, "server ", replica, " max_fails=1 fail_timeout=2s;\n");
+    absl::StrAppend(&servers, "server ", replica, " max_fails=0;\n");
   }
   WriteText(folder_ + "/cagefit_replicas.conf", servers);
   WriteText(folder_ + "/nginx.conf", MainConfig(folder_));

@@ -27,7 +27,7 @@ struct Options {
   int replicas = 3, streams = 30, kills = 100;
   uint64_t seed = 1;
   uint64_t frames = 40;  // of a session; each stream makes one after the other
-  double seconds = 20;    // that throughput is measured for
+  double seconds = 20;   // that throughput is measured for
   double longest_gap = 5;
   std::string server;
 };
@@ -73,7 +73,9 @@ class Streamer {
     return status_;
   }
   int64_t answered() const { return answered_; }
-  absl::Duration longest_gap() const { return longest_gap_; }  // between answers around a break
+  absl::Duration longest_gap() const {
+    return longest_gap_;
+  }  // between the last sign of life before a kill and the next answer
   int breaks() const { return breaks_; }
 
  private:
@@ -81,7 +83,7 @@ class Streamer {
     while (!stopped_) {
       ASSIGN_OR_RETURN(const std::string id, NewSession());
       History history;
-      absl::Time last = absl::Now();
+      absl::Time last = absl::Now(), opened = last;
       bool has_broken = false;
       Resumption run;
       run.address = address_;
@@ -90,6 +92,9 @@ class Streamer {
       run.seen = [&](const History::Event& event) {
         history.Add(event);
         if (event.kind == History::Event::Kind::kOpened) {
+          // Killed again before it was answered: from there on.
+          if (has_broken) last = opened;
+          opened = absl::Now();
           has_broken = history.events().size() > 1;
           breaks_ += has_broken;
         }
