@@ -277,17 +277,19 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
                     "As a live rig: the server skips frames that it cannot keep up with");
   command
       ->add_option("--format", a->formats,
-                   "Write the fitted sequence also as: ply (a file a frame), usd (one .usda file "
+                   "Write the fitted sequence beside .obj also as: ply (a file a frame), usd (one "
+                   ".usda file "
                    "with all frames); lists separated by commas")
       ->delimiter(',')
-      ->check(CLI::IsMember({"obj", "ply", "usd"}));
+      ->check(CLI::IsMember({"ply", "usd"}));
   command->add_option("--fps", a->frames_per_second, "Of the scene that --format usd writes")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e6));
-  command->add_option("--metres-per-unit", a->metres_per_unit, "Likewise")
+  command
+      ->add_option("--metres-per-unit", a->metres_per_unit, "Of the scene that --format usd writes")
       ->capture_default_str()
       ->check(CLI::Range(1e-9, 1e9));
-  command->add_option("--up-axis", a->up_axis, "Likewise")
+  command->add_option("--up-axis", a->up_axis, "Of the scene that --format usd writes")
       ->capture_default_str()
       ->check(CLI::IsMember({"Y", "Z"}));
   command->add_flag("--quick", a->quick, "Only the server's sampled distances, no exact ones");

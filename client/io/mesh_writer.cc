@@ -1,24 +1,16 @@
 #include <Eigen/Geometry>
-#include <charconv>
 #include <cstring>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
+#include "client/io/number_text.h"
 #include "core/base/status.h"
 #include "core/codec/draco_codec.h"
 
 namespace cagefit::client {
 namespace {
-
-// The shortest text that reads back to the same value.
-template <typename Value>
-void AppendNumber(Value value, std::string* text) {
-  char digits[40];
-  const auto [end, error] = std::to_chars(digits, digits + sizeof(digits), value);
-  text->append(digits, end);
-}
 
 template <typename Derived>
 void AppendRow(const Eigen::MatrixBase<Derived>& values, std::string* text) {

@@ -1,25 +1,18 @@
 #include "client/io/usd_writer.h"
 
-#include <charconv>
-
 #include "absl/strings/str_cat.h"
 #include "client/io/file_bytes.h"
+#include "client/io/number_text.h"
 
 namespace cagefit::client {
 namespace {
 
 constexpr char kInfinitelySharp[] = "10";  // as USD has it
 
-void Append(float value, std::string* text) {
-  char digits[40];
-  const auto [end, error] = std::to_chars(digits, digits + sizeof(digits), value);
-  text->append(digits, end);
-}
-
 void Append(const Eigen::Vector3d& point, std::string* text) {
   for (int k = 0; k < 3; ++k) {
     text->append(k == 0 ? "(" : ", ");
-    Append(static_cast<float>(point[k]), text);
+    AppendNumber(static_cast<float>(point[k]), text);
   }
   text->push_back(')');
 }
@@ -35,7 +28,7 @@ void AppendList(int64_t count, std::string* text, const AppendItem& append) {
   text->push_back(']');
 }
 
-// One attribute of the mesh: the same text `count` times, or what is in `values`.
+// One attribute of the mesh: what is in `values`.
 template <typename Values>
 void AppendInts(const char* name, const Values& values, std::string* text) {
   absl::StrAppend(text, "        int[] ", name, " = ");
@@ -44,6 +37,7 @@ void AppendInts(const char* name, const Values& values, std::string* text) {
   text->push_back('\n');
 }
 
+// Likewise, the same `count` times.
 void AppendRepeated(const char* type, const char* name, int64_t count, const char* value,
                     std::string* text) {
   absl::StrAppend(text, "        ", type, "[] ", name, " = ");

@@ -129,7 +129,7 @@ absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch, const C
 
   ASSIGN_OR_RETURN(const int begun, ledger_->Begin(epoch));
   bool is_counted = true;
-  const CancelFn goes_on_in_turn = [&] {
+  const CancelFn cancelled_in_turn = [&] {
     if (cancelled && cancelled()) return true;
     if (begun > 1 || !turns.is_over || !turns.is_over()) return false;
     // Whatever ends the process meanwhile, it is not this frame.
@@ -139,7 +139,7 @@ absl::StatusOr<FrameAnswer> Session::Answer(Frame frame, uint64_t epoch, const C
     return cancelled && cancelled();
   };
   Step step;
-  auto answer = AnswerNext(frame, begun, goes_on_in_turn, &step);
+  auto answer = AnswerNext(frame, begun, cancelled_in_turn, &step);
   if (!answer.ok()) {
     // What is the end of the stream here has not harmed the process. Where even that cannot be
     // written, the frame has one try less.

@@ -142,37 +142,39 @@ void WorkerPool::EndTask(const std::string& key, Lane* lane) {
   }
 }
 
-bool WorkerPool::IsOvertaken() {
-  if (here.pool != this || clock_() - here.since < kSliceMs) return false;
-  const std::string& key = *here.key;
-  std::lock_guard<std::mutex> lock(mutex_);
-  Lane& lane = lanes_.at(key);
-  Charge(key, &lane);
-  if (IsOvertaken(key)) return true;
+bool WorkerPool::IsSliceOver() const {
+  return here.pool == this && clock_() - here.since >= kSliceMs;
+}
+
+bool WorkerPool::SliceEnds(const std::string& key, Lane* lane) {
+  Charge(key, lane);
+  if (paused_ < max_paused_ && turns_.IsOvertaken(key)) return true;
   turns_.GoOn(key);
-  here.since = lane.since;
+  here.since = lane->since;
   return false;
 }
 
+bool WorkerPool::IsOvertaken() {
+  if (!IsSliceOver()) return false;
+  std::lock_guard<std::mutex> lock(mutex_);
+  return SliceEnds(*here.key, &lanes_.at(*here.key));
+}
+
 void WorkerPool::GiveWay() {
-  if (here.pool != this || clock_() - here.since < kSliceMs) return;
+  if (!IsSliceOver()) return;
   const std::string& key = *here.key;
   std::unique_lock<std::mutex> lock(mutex_);
   Lane& lane = lanes_.at(key);
-  Charge(key, &lane);
-  if (IsOvertaken(key)) {
-    turns_.Release(key);
-    turns_.Add(key, lane.priority);
-    lane.paused = true;
-    ++paused_;
-    --running_;
-    Dispatch();
-    const double since = SteadyMilliseconds();
-    lane.resumed.wait(lock, [&lane] { return !lane.paused; });
-    paused_ms += SteadyMilliseconds() - since;
-  } else {
-    turns_.GoOn(key);
-  }
+  if (!SliceEnds(key, &lane)) return;
+  turns_.Release(key);
+  turns_.Add(key, lane.priority);
+  lane.paused = true;
+  ++paused_;
+  --running_;
+  Dispatch();
+  const double since = SteadyMilliseconds();
+  lane.resumed.wait(lock, [&lane] { return !lane.paused; });
+  paused_ms += SteadyMilliseconds() - since;
   here.since = lane.since;
 }
 

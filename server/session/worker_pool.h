@@ -53,6 +53,8 @@ class WorkerPool {
   bool IsOvertaken();
 
  private:
+  bool IsSliceOver() const;  // of this thread's task, if it is this pool's
+
   struct QueuedTask {
     Task task;
     Priority priority;
@@ -71,9 +73,8 @@ class WorkerPool {
   // All under the lock.
   void Dispatch();
   void Charge(const std::string& key, Lane* lane);
-  bool IsOvertaken(const std::string& key) const {
-    return paused_ < max_paused_ && turns_.IsOvertaken(key);
-  }
+  // Charges it; unless another is to go first, its next slice begins.
+  bool SliceEnds(const std::string& key, Lane* lane);
   void EndTask(const std::string& key, Lane* lane);
   absl::Duration RetryAfter() const;
 

@@ -47,6 +47,11 @@ FitFramesCall::FitFramesCall(const ServiceState* state, grpc::CallbackServerCont
 
 void FitFramesCall::OnReadDone(bool ok) {
   const std::shared_ptr<FitFramesCall> self = shared_from_this();
+  // Nobody else looks at what was read.
+  const auto bytes = ok ? static_cast<int64_t>(request_.Length()) : 0;
+  v1::FitFramesRequest request;
+  const absl::Status parsed = ok ? ParseParts("message", request_, &request) : absl::OkStatus();
+  request_.Clear();
   std::lock_guard<std::mutex> lock(mutex_);
   reading_ = false;
   if (end_.has_value()) return;
@@ -57,25 +62,23 @@ void FitFramesCall::OnReadDone(bool ok) {
                        : assembler_.CheckBetweenFrames());
     return;
   }
-  const absl::Duration wait = sessions_->Receive(static_cast<int64_t>(request_.Length()));
-  const absl::Status taken = Take(request_);
+  const absl::Duration wait = sessions_->Receive(bytes);
+  const absl::Status taken = parsed.ok() ? Take(&request) : parsed;
   if (!taken.ok()) EndAfterFrames(taken);
   if (wait > absl::ZeroDuration()) Pause(wait);
   ReadOn();
 }
 
-absl::Status FitFramesCall::Take(const grpc::ByteBuffer& bytes) {
-  v1::FitFramesRequest request;
-  RETURN_IF_ERROR(ParseParts("message", bytes, &request));
+absl::Status FitFramesCall::Take(v1::FitFramesRequest* request) {
   if (ledger_ == nullptr) {
-    if (request.has_open()) {
-      RETURN_IF_ERROR(SetMode(request.open().mode()));
-      return StartOpening(request.open().session_id());
+    if (request->has_open()) {
+      RETURN_IF_ERROR(SetMode(request->open().mode()));
+      return StartOpening(request->open().session_id());
     }
     return WithDetail(absl::InvalidArgumentError("open: expected as the first message"),
                       {"PROTOCOL_VIOLATION", "open", "", ""});
   }
-  ASSIGN_OR_RETURN(std::optional<ReceivedFrame> received, assembler_.Add(&request));
+  ASSIGN_OR_RETURN(std::optional<ReceivedFrame> received, assembler_.Add(request));
   return received.has_value() ? Submit(*std::move(received)) : absl::OkStatus();
 }
 

@@ -51,7 +51,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::Byt
   FitFramesCall(const ServiceState* state, grpc::CallbackServerContext* context);
 
   // Under the mutex.
-  absl::Status Take(const grpc::ByteBuffer& bytes);
+  absl::Status Take(v1::FitFramesRequest* request);
   absl::Status StartOpening(const std::string& session_id);
   absl::Status SetMode(v1::FrameMode mode);
   int FramesInFlight() const { return is_latest_ ? kLatestInFlight : kFramesInFlight; }
@@ -85,7 +85,7 @@ class FitFramesCall : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::Byt
   std::atomic<bool> abandoned_{false};   // frames in flight are not wanted any more
 
   std::mutex mutex_;
-  grpc::ByteBuffer request_;  // FitFramesRequest
+  grpc::ByteBuffer request_;  // FitFramesRequest; only of the read in progress
   FrameAssembler assembler_;
   std::shared_ptr<SessionLedger> ledger_;  // once open; then constant, as is epoch_
   uint64_t epoch_ = 0;

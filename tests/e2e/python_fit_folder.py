@@ -14,8 +14,8 @@ def numbers(path, kind):
     return [float(value) for line in path.read_text().splitlines() if line.startswith(kind + " ") for value in line.split()[1:]]
 
 
-def fit(folder, *more):
-    return subprocess.run([sys.executable, fit_folder, *more], env={**os.environ, "PYTHONPATH": stubs}, check=False).returncode
+def fit(*arguments):
+    return subprocess.run([sys.executable, fit_folder, *arguments], env={**os.environ, "PYTHONPATH": stubs}, check=False).returncode
 
 
 def main(folder):
@@ -26,10 +26,10 @@ def main(folder):
                           text=True) as server:
         try:
             address = server.stdout.readline().split()[-1]
-            assert fit(folder, capture, ours, "--server", address, "--vertices", "150") == 0
-            assert fit(folder, folder, ours, "--server", address) == 2, "no .drc files"
+            assert fit(capture, ours, "--server", address, "--vertices", "150") == 0
+            assert fit(folder, ours, "--server", address) == 2, "no .drc files"
             (capture / "frame_0002.drc").write_bytes(b"no Draco")
-            assert fit(folder, capture, folder / "broken", "--server", address, "--vertices", "150") == 4, "a frame is refused"
+            assert fit(capture, folder / "broken", "--server", address, "--vertices", "150") == 4, "a frame is refused"
         finally:
             server.terminate()
     for k in range(FRAMES):

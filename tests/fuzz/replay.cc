@@ -16,6 +16,10 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/mutation.h"
 
+#ifdef __SANITIZE_ADDRESS__
+extern "C" void __sanitizer_set_death_callback(void (*callback)());
+#endif
+
 namespace cagefit::testing {
 namespace {
 
@@ -46,25 +50,23 @@ void WriteSeed() {
   static_cast<void>(!write(STDERR_FILENO, line, size));
 }
 
-void OnCrash(int signal) {
+[[maybe_unused]] void OnCrash(int signal) {
   WriteSeed();
   raise(signal);  // SA_RESETHAND: for good
 }
 
-#ifdef __SANITIZE_ADDRESS__
-extern "C" void __sanitizer_set_death_callback(void (*callback)());
-#endif
-
+// The sanitizer handles signals itself, and better.
 void ReportCrashes() {
 #ifdef __SANITIZE_ADDRESS__
-  __sanitizer_set_death_callback([] { WriteSeed(); });
-#endif
+  __sanitizer_set_death_callback(WriteSeed);
+#else
   struct sigaction action = {};
   action.sa_handler = OnCrash;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTERM}) {
     sigaction(signal, &action, nullptr);
   }
+#endif
 }
 
 void RunOnMutations(const Options& options) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/session/private_folder.h"
 #include "tests/e2e/program.h"
 
 namespace cagefit::testing {
@@ -15,15 +16,14 @@ class NginxProxy {
  public:
   // `replicas`: their addresses.
   explicit NginxProxy(const std::vector<std::string>& replicas);
-  // Ends it, and removes its folder.
-  ~NginxProxy();
+  ~NginxProxy();  // ends it
 
   const std::string& address() const { return address_; }
   // Returns when it listens; UNAVAILABLE, with what nginx wrote.
   absl::Status Start();
 
  private:
-  const std::string folder_;
+  const server::PrivateFolder folder_ = server::PrivateFolder::Create().value();
   const std::string address_;
   std::unique_ptr<RunningProgram> running_;
 };

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <deque>
 #include <iostream>
-#include <mutex>
+#include <optional>
 #include <random>
 #include <thread>
 #include <vector>

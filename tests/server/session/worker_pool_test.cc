@@ -207,10 +207,13 @@ TEST(WorkerPoolTest, ALongTaskGivesWayToAKeyThatHasUsedLess) {
                            begun.set_value();
                            waiting.get_future().wait();
                            time.Pass(WorkerPool::kSliceMs - 1);
+                           EXPECT_FALSE(pool.IsOvertaken());
                            pool.GiveWay();  // too early
                            order.push_back("large begins");
                            time.Pass(2);
+                           EXPECT_TRUE(pool.IsOvertaken());
                            pool.GiveWay();
+                           EXPECT_FALSE(pool.IsOvertaken());
                            order.push_back("large ends");
                          })
                     .ok());
@@ -231,6 +234,7 @@ TEST(WorkerPoolTest, ATaskGoesOnWhereNobodyWaitsOrNoMoreMayPause) {
     ASSERT_TRUE(pool.Run("large",
                          [&] {
                            time.Pass(1000);
+                           EXPECT_FALSE(pool.IsOvertaken());
                            pool.GiveWay();
                            order.push_back("large");
                          })
