@@ -17,12 +17,14 @@ struct EmbeddedServer::Parts {
   std::string address;
 };
 
-absl::StatusOr<std::unique_ptr<EmbeddedServer>> EmbeddedServer::Start(int threads) {
+absl::StatusOr<std::unique_ptr<EmbeddedServer>> EmbeddedServer::Start(int threads,
+                                                                      const std::string& store) {
   ASSIGN_OR_RETURN(server::PrivateFolder folder, server::PrivateFolder::Create());
   server::ServerOptions options;
   const std::string address = absl::StrCat("unix:", folder.path(), "/socket");
   options.listen = {address};
   options.threads = threads;
+  options.store = store;
   std::error_code error;
   options.template_program = std::filesystem::read_symlink("/proc/self/exe", error).string();
   ASSIGN_OR_RETURN(std::unique_ptr<server::Server> server,

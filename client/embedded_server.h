@@ -12,8 +12,10 @@ namespace cagefit::client {
 class EmbeddedServer {
  public:
   // Serves on a Unix socket that only this user can reach. Templates are made by this program
-  // itself ("/proc/self/exe template ..."). `threads` as in ServerOptions; 0: one per core.
-  static absl::StatusOr<std::unique_ptr<EmbeddedServer>> Start(int threads = 0);
+  // itself ("/proc/self/exe template ..."). `threads` (0: one per core) and `store` as in
+  // ServerOptions.
+  static absl::StatusOr<std::unique_ptr<EmbeddedServer>> Start(int threads = 0,
+                                                               const std::string& store = "memory");
   // Cancels what is left and removes the socket.
   ~EmbeddedServer();
 

@@ -52,13 +52,15 @@ FitJob::FitJob(const FitArguments& arguments, std::vector<std::string> files,
                           report_.frames.rend() - static_cast<int64_t>(report_.first_frame));
 }
 
-absl::Status FitJob::Run() {
+absl::Status FitJob::Begin() {
   RETURN_IF_ERROR(MakeFolder(arguments_.out + "/frames"));
   ASSIGN_OR_RETURN(reader_, FrameReader::Open(arguments_, files_));
   ASSIGN_OR_RETURN(const v1::CreateSessionRequest request, SessionRequest());
   RETURN_IF_ERROR(Connect());
-  RETURN_IF_ERROR(OpenSession(request));
-  has_begun_ = true;
+  return OpenSession(request);
+}
+
+absl::Status FitJob::Run() {
   const absl::Status streamed = Stream();
   broken_off_ = !streamed.ok();
   AddRecords();
@@ -103,7 +105,7 @@ absl::Status FitJob::Connect() {
   options.address = arguments_.server;
   options.credentials = arguments_.credentials;
   if (options.address.empty()) {
-    ASSIGN_OR_RETURN(embedded_, EmbeddedServer::Start(arguments_.threads));
+    ASSIGN_OR_RETURN(embedded_, EmbeddedServer::Start(arguments_.threads, arguments_.store));
     options.address = embedded_->address();
     options.credentials = ClientCredentials();
   }
@@ -272,7 +274,8 @@ FrameRecord* FitJob::RecordOfVisit(size_t visit) {
 
 void FitJob::AddRecords() {
   std::lock_guard<std::mutex> lock(mutex_);
-  while (report_.frames.size() < files_.size()) {
+  const size_t end = arguments_.to_frame.has_value() ? *arguments_.to_frame + 1 : files_.size();
+  while (report_.frames.size() < std::min(end, files_.size())) {
     FrameRecord record;
     record.file = files_[report_.frames.size()];
     report_.frames.push_back(std::move(record));
@@ -350,6 +353,7 @@ Json FitJob::Settings() const {
           {"round_trip", arguments_.round_trip},
           {"latest", arguments_.latest},
           {"from_frame", arguments_.from_frame},
+          {"to_frame", arguments_.to_frame.has_value() ? Json(*arguments_.to_frame) : Json()},
           {"started_from", started_from_},
           {"options", ToJson(report_.session.options())}};
 }

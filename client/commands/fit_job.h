@@ -36,7 +36,11 @@ class FitJob {
   FitJob(const FitArguments& arguments, std::vector<std::string> files, FolderFollower* follower,
          std::optional<TrueMotion> truth, Interrupt* interrupt);
 
-  // The report holds whatever came, even when this fails. CANCELLED when it was interrupted.
+  // Opens the session.
+  absl::Status Begin();
+
+  // Sends and receives all. The report holds whatever came, even when this fails. CANCELLED when it
+  // was interrupted.
   absl::Status Run();
 
   // Measures, and writes what is not written yet.
@@ -46,7 +50,6 @@ class FitJob {
   void DeleteSession();
 
   const FitReport& report() const { return report_; }
-  bool has_begun() const { return has_begun_; }
   // The first frame without a result.
   size_t first_missing() const;
 
@@ -87,7 +90,7 @@ class FitJob {
   std::optional<ControlMesh> given_cage_;
   std::string started_from_;  // with --from-frame, the file
   std::optional<FittedMeshes> meshes_;
-  bool has_begun_ = false, broken_off_ = false;
+  bool broken_off_ = false;
   bool is_trying_ = false;             // since the last reply, the stream broke
   std::optional<size_t> last_fitted_;  // frame
   FitReport report_;

@@ -2,6 +2,9 @@
 
 #include <map>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/commands/credential_flags.h"
 #include "client/commands/parse_tolerance.h"
 
@@ -178,6 +181,30 @@ void AddDeltaSettings(v1::SessionOptions* options, CLI::App* command) {
                      [options](uint32_t value) { options->set_key_interval(value); });
 }
 
+// Many captures in one call.
+void AddTakeFlags(FitArguments* a, CLI::App* command) {
+  CLI::Option* takes = command->add_flag(
+      "--takes", a->takes,
+      "Every INPUT, a folder or a file, is a take of its own, fitted into OUT/NAME by its name. "
+      "Takes that are done are skipped, half-done ones go on, also after a crash. {take} in paths "
+      "of --template, --cameras, --masks, --landmarks and --truth stands for the name");
+  for (const char* one : {"--session", "--follow"}) takes->excludes(command->get_option(one));
+  command
+      ->add_option_function<std::string>(
+          "--chunk",
+          [a](const std::string& text) {
+            const std::pair<std::string, std::string> parts = absl::StrSplit(text, '/');
+            if (absl::SimpleAtoi(parts.first, &a->chunk) &&
+                absl::SimpleAtoi(parts.second, &a->chunks) && a->chunk < a->chunks) {
+              return;
+            }
+            throw CLI::ValidationError(
+                absl::StrCat("--chunk: \"", text, "\" is not K/N with K from 0 to N-1, as in 0/8"));
+          },
+          "K/N: of the takes, in natural order, only every N-th, from number K on; K from 0 to N-1")
+      ->needs(takes);
+}
+
 // Which frames are fitted, and when.
 void AddSequenceFlags(FitArguments* a, CLI::App* command) {
   command
@@ -196,12 +223,13 @@ void AddSequenceFlags(FitArguments* a, CLI::App* command) {
       "Leave out the frames before this one, counted from 0. A new session then starts with the "
       "last control mesh before it in OUT/frames, where there is one, instead of --template or "
       "--vertices. With --session: the frame that it began with");
+  command->add_option("--to-frame", a->to_frame, "Leave out the frames behind this one");
   CLI::Option* follow = command->add_flag(
       "--follow", a->follow,
       "INPUT is a folder that is being written to: take its files as they are completed, in "
       "natural "
       "order, until Ctrl-C. A file that is renamed to its name is complete at once");
-  for (const char* whole : {"--masks", "--landmarks", "--truth", "--round-trip"}) {
+  for (const char* whole : {"--masks", "--landmarks", "--truth", "--round-trip", "--to-frame"}) {
     follow->excludes(command->get_option(whole));
   }
   command
@@ -301,6 +329,7 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
       ->capture_default_str()
       ->check(CLI::Range(8, 30));
   AddSequenceFlags(a, command);
+  AddTakeFlags(a, command);
   AddTargetSettings(a->options.mutable_fit(), command);
   AddFieldSettings(a->options.mutable_fit(), command);
   AddSolverSettings(a->options.mutable_fit(), command);

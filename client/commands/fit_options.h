@@ -24,12 +24,16 @@ struct FitArguments {
   uint32_t vertices = 0;
   std::optional<double> crease_angle;  // degrees
   int position_bits = 16;
-  int threads = 0;  // of the server inside; 0: one per core
+  int threads = 0;               // of the server inside; 0: one per core
+  std::string store = "memory";  // likewise; as cagefitd's
   uint64_t from_frame = 0;
+  std::optional<uint64_t> to_frame;  // the last one
   std::vector<std::string> formats;  // beside .obj
   double frames_per_second = 24, metres_per_unit = 1;
   std::string up_axis = "Y";
   bool keep_session = false, quick = false, json = false, round_trip = false;
+  bool takes = false;              // every input is a take of its own
+  uint32_t chunk = 0, chunks = 1;  // of the takes, those whose index modulo `chunks` is `chunk`
   bool follow = false;
   double give_up = 60;                        // seconds, of a server that stays away
   double follow_settle = 1, follow_idle = 0;  // seconds; idle 0: until interrupted

@@ -16,7 +16,7 @@ constexpr int64_t kMostVertices = 1000;
 // As many int32 triples as there are bytes for.
 GridPoints PointsOf(const uint8_t* data, size_t size) {
   GridPoints q(3, size / 12);
-  std::memcpy(q.data(), data, 12 * q.cols());
+  if (q.cols() > 0) std::memcpy(q.data(), data, 12 * q.cols());  // else both may be null
   return q;
 }
 
