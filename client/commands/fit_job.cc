@@ -14,7 +14,6 @@
 #include "client/commands/message_json.h"
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
-#include "client/io/usd_writer.h"
 #include "client/mesh_from_proto.h"
 #include "core/base/status.h"
 
@@ -302,28 +301,9 @@ absl::Status FitJob::Finish() {
   RETURN_IF_ERROR(WriteControlMesh(
       arguments_.out + "/cage.obj",
       meshes_->cage()->WithVertices(report_.frames[*last_fitted_].control_vertices)));
-  RETURN_IF_ERROR(WriteFormats());
+  RETURN_IF_ERROR(WriteSequence(arguments_.formats, *meshes_->cage(), report_.frames,
+                                arguments_.out, arguments_.out + "/frames"));
   return measured;
-}
-
-absl::Status FitJob::WriteFormats() const {
-  const auto wants = [this](const char* format) {
-    return std::count(arguments_.formats.begin(), arguments_.formats.end(), format) > 0;
-  };
-  MeshSequence sequence;
-  sequence.cage = &*meshes_->cage();
-  for (size_t frame = 0; frame < report_.frames.size(); ++frame) {
-    const FrameRecord& record = report_.frames[frame];
-    if (record.control_vertices.cols() == 0) continue;  // not fitted
-    sequence.frames.push_back({static_cast<int64_t>(frame), &record.control_vertices});
-    if (!wants("ply")) continue;
-    RETURN_IF_ERROR(WriteMesh(absl::StrFormat("%s/frames/%04d.ply", arguments_.out, frame),
-                              {record.control_vertices, sequence.cage->triangles()}));
-  }
-  if (!wants("usd")) return absl::OkStatus();
-  return WriteUsd(
-      arguments_.out + "/sequence.usda", sequence,
-      {arguments_.frames_per_second, arguments_.metres_per_unit, arguments_.up_axis.front()});
 }
 
 absl::Status FitJob::MeasureDrift() {

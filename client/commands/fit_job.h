@@ -75,7 +75,6 @@ class FitJob {
   OutgoingFrame ReadVisit(size_t visit, const std::string& file);
   void AddRecords();
 
-  absl::Status WriteFormats() const;  // those beside .obj
   absl::Status MeasureDrift();
   Json Settings() const;
 

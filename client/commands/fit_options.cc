@@ -303,23 +303,7 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
       ->excludes(truth);
   command->add_flag("--latest", a->latest,
                     "As a live rig: the server skips frames that it cannot keep up with");
-  command
-      ->add_option("--format", a->formats,
-                   "Write the fitted sequence beside .obj also as: ply (a file a frame), usd (one "
-                   ".usda file "
-                   "with all frames); lists separated by commas")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"ply", "usd"}));
-  command->add_option("--fps", a->frames_per_second, "Of the scene that --format usd writes")
-      ->capture_default_str()
-      ->check(CLI::Range(1e-3, 1e6));
-  command
-      ->add_option("--metres-per-unit", a->metres_per_unit, "Of the scene that --format usd writes")
-      ->capture_default_str()
-      ->check(CLI::Range(1e-9, 1e9));
-  command->add_option("--up-axis", a->up_axis, "Of the scene that --format usd writes")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"Y", "Z"}));
+  AddFormatFlags(&a->formats, command);
   command->add_flag("--quick", a->quick, "Only the server's sampled distances, no exact ones");
   command->add_flag("--json", a->json, "Print one JSON object a frame, and one at the end");
   command->add_option("--threads", a->threads, "Of the server inside; 0: one per core")

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cagefit/v1/fitting.pb.h"
+#include "client/commands/sequence_formats.h"
 #include "client/credentials.h"
 
 namespace cagefit::client {
@@ -28,9 +29,7 @@ struct FitArguments {
   std::string store = "memory";  // likewise; as cagefitd's
   uint64_t from_frame = 0;
   std::optional<uint64_t> to_frame;  // the last one
-  std::vector<std::string> formats;  // beside .obj
-  double frames_per_second = 24, metres_per_unit = 1;
-  std::string up_axis = "Y";
+  SequenceFormats formats;
   bool keep_session = false, quick = false, json = false, round_trip = false;
   bool takes = false;              // every input is a take of its own
   uint32_t chunk = 0, chunks = 1;  // of the takes, those whose index modulo `chunks` is `chunk`

@@ -11,8 +11,8 @@
 
 namespace cagefit::client {
 
-absl::Status PullFrames(FitClient* client, const std::string& session_id,
-                        const std::string& folder) {
+absl::Status PullFrames(FitClient* client, const std::string& session_id, const std::string& folder,
+                        const SequenceFormats& formats) {
   FitReport report;
   ASSIGN_OR_RETURN(report.session, client->GetSession(session_id));
   RETURN_IF_ERROR(MakeFolder(folder));
@@ -25,12 +25,16 @@ absl::Status PullFrames(FitClient* client, const std::string& session_id,
     RETURN_IF_ERROR(meshes.Take(std::move(frame), &record));
     if (!record.status.ok()) return absl::OkStatus();
     RETURN_IF_ERROR(meshes.Write(number, record));
-    record.control_vertices = Points3d();  // they are written; all together would fill the memory
+    // They are written; all together could fill the memory.
+    if (formats.names.empty()) record.control_vertices = Points3d();
     return absl::OkStatus();
   }));
   report.diagonal = SampledDiagonal(report);
   report.settings = {{"options", ToJson(report.session.options())}};
   RETURN_IF_ERROR(WriteFileBytes(folder + "/report.json", ReportJson(report).dump(2)));
+  if (meshes.cage().has_value()) {
+    RETURN_IF_ERROR(WriteSequence(formats, *meshes.cage(), report.frames, folder, folder));
+  }
   std::cout << folder << ": control meshes of " << Totals(report).fitted << " of "
             << report.frames.size() << " frames, and report.json\n";
   return absl::OkStatus();

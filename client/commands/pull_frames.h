@@ -5,14 +5,16 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "client/commands/sequence_formats.h"
 #include "client/fit_client.h"
 
 namespace cagefit::client {
 
-// FOLDER/NNNN.obj of every fitted frame, by its sequence number, and FOLDER/report.json of all
-// frames, with the distances that the server sampled. Errors of the server and of writing.
-absl::Status PullFrames(FitClient* client, const std::string& session_id,
-                        const std::string& folder);
+// FOLDER/NNNN.obj of every fitted frame, by its sequence number, FOLDER/report.json of all frames,
+// with the distances that the server sampled, and what `formats` asks for. Errors of the server and
+// of writing.
+absl::Status PullFrames(FitClient* client, const std::string& session_id, const std::string& folder,
+                        const SequenceFormats& formats);
 
 }  // namespace cagefit::client
 

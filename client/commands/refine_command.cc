@@ -4,8 +4,8 @@
 
 #include "client/commands/command.h"
 #include "client/io/geometry_file.h"
-#include "client/limit_surface.h"
 #include "core/base/status.h"
+#include "core/subdiv/shaded_mesh.h"
 
 namespace cagefit::client {
 namespace {
@@ -19,8 +19,18 @@ struct RefineArguments {
 
 absl::Status Refine(const RefineArguments& arguments) {
   ASSIGN_OR_RETURN(const ControlMesh cage, ReadControlMesh(arguments.cage));
-  const TriangleMesh mesh = LimitSurface(cage, arguments.levels);
-  RETURN_IF_ERROR(WriteMesh(arguments.out, mesh));
+  const ShadedMesh shaded(cage, arguments.levels);
+  Points3d positions;
+  CornerNormals normals;
+  shaded.Evaluate(cage.vertices(), &positions, &normals.values);
+  normals.indices = shaded.triangles();
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, shaded.limit_triangles().maxCoeff() + 1);
+  mesh.triangles = shaded.limit_triangles();
+  for (Eigen::Index k = 0; k < positions.cols(); ++k) {
+    mesh.vertices.col(shaded.limit_vertices()[k]) = positions.col(k);
+  }
+  RETURN_IF_ERROR(WriteMesh(arguments.out, mesh, normals));
   std::cout << arguments.out << ": " << mesh.vertices.cols() << " vertices, "
             << mesh.triangles.cols() << " triangles on the limit surface\n";
   return absl::OkStatus();
@@ -33,7 +43,9 @@ void AddRefineCommand(CLI::App* app, Run* run) {
   CLI::App* command =
       app->add_subcommand("refine", "Write the limit surface of a control mesh as a fine mesh");
   command->add_option("CAGE", arguments->cage, "Control mesh")->required();
-  command->add_option("--out", arguments->out, "Mesh to write: .obj .ply .off .stl .drc")
+  command
+      ->add_option("--out", arguments->out,
+                   "Mesh to write: .obj .ply (these with normals) .off .stl .drc")
       ->required();
   command
       ->add_option("--levels", arguments->levels,

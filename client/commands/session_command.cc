@@ -9,6 +9,7 @@
 #include "client/commands/credential_flags.h"
 #include "client/commands/message_json.h"
 #include "client/commands/pull_frames.h"
+#include "client/commands/sequence_formats.h"
 #include "client/fit_client.h"
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
@@ -21,6 +22,7 @@ namespace {
 struct SessionArguments {
   std::string server = "127.0.0.1:50051", id, out, frames;
   ClientCredentials credentials;
+  SequenceFormats formats;
   std::optional<uint64_t> frame;
   bool json = false, surface = false, start = false;
   uint32_t levels = 2;
@@ -68,7 +70,9 @@ absl::Status PullSurface(FitClient* client, const SessionArguments& arguments) {
 }
 
 absl::Status Pull(FitClient* client, const SessionArguments& arguments) {
-  if (!arguments.frames.empty()) return PullFrames(client, arguments.id, arguments.frames);
+  if (!arguments.frames.empty()) {
+    return PullFrames(client, arguments.id, arguments.frames, arguments.formats);
+  }
   if (arguments.surface) return PullSurface(client, arguments);
   v1::GetControlMeshRequest request;
   request.set_session_id(arguments.id);
@@ -132,6 +136,7 @@ void AddSessionCommand(CLI::App* app, Run* run) {
   pull->add_flag("--surface", arguments->surface, "The refined limit surface")
       ->excludes(start)
       ->excludes(frames);
+  AddFormatFlags(&arguments->formats, pull)->needs(frames);
   pull->parse_complete_callback([out, frames] {
     if (*out || *frames) return;
     throw CLI::RequiredError("--out FILE or --frames FOLDER");

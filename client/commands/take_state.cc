@@ -54,8 +54,7 @@ Json AskedOf(const FitArguments& a, const std::vector<std::string>& files) {
           {"round_trip", a.round_trip},
           {"latest", a.latest},
           {"quick", a.quick},
-          {"formats", a.formats},
-          {"scene", {a.frames_per_second, a.metres_per_unit, a.up_axis}},
+          {"formats", ToJson(a.formats)},
           {"named", StampsOf(named)},
           {"frames", StampsOf(files)}};
 }

@@ -48,8 +48,17 @@ PointCloud ToCloud(const Geometry& geometry);
 // format above.
 absl::StatusOr<ControlMesh> ReadControlMesh(const std::string& path);
 
-// .obj .ply .off .stl .drc by name. Whole or not at all: written beside and renamed.
-absl::Status WriteMesh(const std::string& path, const TriangleMesh& mesh);
+// Unit normals of a mesh's corners: of corner c of triangle t, column indices(c, t) of `values`.
+// Empty: none.
+struct CornerNormals {
+  Points3d values;
+  Triangles indices;
+};
+
+// .obj .ply .off .stl .drc by name. Normals go to .obj, and to .ply, which has one a vertex: the
+// mean of its corners'. Whole or not at all: written beside and renamed.
+absl::Status WriteMesh(const std::string& path, const TriangleMesh& mesh,
+                       const CornerNormals& normals = {});
 absl::Status WriteControlMesh(const std::string& path, const ControlMesh& mesh);
 // .ply .xyz .drc by name.
 absl::Status WriteCloud(const std::string& path, const PointCloud& cloud);

@@ -25,16 +25,27 @@ void AppendBinary(const Value& value, std::string* bytes) {
   bytes->append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-std::string ObjText(const TriangleMesh& mesh) {
-  std::string text;
-  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
-    text.append("v ");
-    AppendRow(mesh.vertices.col(v), &text);
-    text.push_back('\n');
+void AppendRows(const char* name, const Points3d& points, std::string* text) {
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    text->append(name);
+    AppendRow(points.col(k), text);
+    text->push_back('\n');
   }
+}
+
+std::string ObjText(const TriangleMesh& mesh, const CornerNormals& normals) {
+  std::string text;
+  AppendRows("v ", mesh.vertices, &text);
+  AppendRows("vn ", normals.values, &text);
   for (Eigen::Index f = 0; f < mesh.triangles.cols(); ++f) {
-    text.append("f ");
-    AppendRow((mesh.triangles.col(f).array() + 1).matrix(), &text);
+    text.push_back('f');
+    for (int c = 0; c < 3; ++c) {
+      text.push_back(' ');
+      AppendNumber(mesh.triangles(c, f) + 1, &text);
+      if (normals.values.cols() == 0) continue;
+      text.append("//");
+      AppendNumber(normals.indices(c, f) + 1, &text);
+    }
     text.push_back('\n');
   }
   return text;
@@ -43,10 +54,7 @@ std::string ObjText(const TriangleMesh& mesh) {
 std::string OffText(const TriangleMesh& mesh) {
   std::string text =
       absl::StrCat("OFF\n", mesh.vertices.cols(), " ", mesh.triangles.cols(), " 0\n");
-  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
-    AppendRow(mesh.vertices.col(v), &text);
-    text.push_back('\n');
-  }
+  AppendRows("", mesh.vertices, &text);
   for (Eigen::Index f = 0; f < mesh.triangles.cols(); ++f) {
     text.append("3 ");
     AppendRow(mesh.triangles.col(f), &text);
@@ -55,13 +63,30 @@ std::string OffText(const TriangleMesh& mesh) {
   return text;
 }
 
-std::string PlyMeshBytes(const TriangleMesh& mesh) {
-  std::string bytes =
-      absl::StrCat("ply\nformat binary_little_endian 1.0\nelement vertex ", mesh.vertices.cols(),
-                   "\nproperty double x\nproperty double y\nproperty double z\nelement face ",
-                   mesh.triangles.cols(), "\nproperty list uchar int vertex_indices\nend_header\n");
-  bytes.append(reinterpret_cast<const char*>(mesh.vertices.data()),
-               sizeof(double) * mesh.vertices.size());
+Points3d VertexMeans(const TriangleMesh& mesh, const CornerNormals& normals) {
+  Points3d means = Points3d::Zero(3, mesh.vertices.cols());
+  for (Eigen::Index h = 0; h < mesh.triangles.size(); ++h) {
+    means.col(mesh.triangles.data()[h]) += normals.values.col(normals.indices.data()[h]);
+  }
+  means.colwise().normalize();
+  return means;
+}
+
+std::string PlyMeshBytes(const TriangleMesh& mesh, const CornerNormals& normals) {
+  const bool has_normals = normals.values.cols() > 0;
+  std::string bytes = absl::StrCat(
+      "ply\nformat binary_little_endian 1.0\nelement vertex ", mesh.vertices.cols(),
+      "\nproperty double x\nproperty double y\nproperty double z\n",
+      has_normals ? "property double nx\nproperty double ny\nproperty double nz\n" : "",
+      "element face ", mesh.triangles.cols(),
+      "\nproperty list uchar int vertex_indices\nend_header\n");
+  const Points3d of_vertices = has_normals ? VertexMeans(mesh, normals) : Points3d();
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    for (int axis = 0; axis < 3; ++axis) AppendBinary(mesh.vertices(axis, v), &bytes);
+    for (int axis = 0; axis < 3 && has_normals; ++axis) {
+      AppendBinary(of_vertices(axis, v), &bytes);
+    }
+  }
   for (Eigen::Index f = 0; f < mesh.triangles.cols(); ++f) {
     bytes.push_back(3);
     for (int c = 0; c < 3; ++c) AppendBinary(mesh.triangles(c, f), &bytes);
@@ -123,11 +148,12 @@ absl::Status BadName(const std::string& path, absl::string_view expected) {
 
 }  // namespace
 
-absl::Status WriteMesh(const std::string& path, const TriangleMesh& mesh) {
+absl::Status WriteMesh(const std::string& path, const TriangleMesh& mesh,
+                       const CornerNormals& normals) {
   const std::string extension = FileExtension(path);
-  if (extension == ".obj") return WriteFileBytes(path, ObjText(mesh));
+  if (extension == ".obj") return WriteFileBytes(path, ObjText(mesh, normals));
   if (extension == ".off") return WriteFileBytes(path, OffText(mesh));
-  if (extension == ".ply") return WriteFileBytes(path, PlyMeshBytes(mesh));
+  if (extension == ".ply") return WriteFileBytes(path, PlyMeshBytes(mesh, normals));
   if (extension == ".stl") return WriteFileBytes(path, StlBytes(mesh));
   if (extension == ".drc") {
     ASSIGN_OR_RETURN(const std::string bytes, EncodeDracoMesh(mesh, {}));
@@ -149,7 +175,7 @@ absl::Status WriteControlMesh(const std::string& path, const ControlMesh& mesh) 
   for (const int32_t corner : mesh.tags().corners) {
     absl::StrAppend(&text, "# cagefit corner ", corner + 1, "\n");
   }
-  return WriteFileBytes(path, text + ObjText(triangles));
+  return WriteFileBytes(path, text + ObjText(triangles, {}));
 }
 
 absl::Status WriteCloud(const std::string& path, const PointCloud& cloud) {

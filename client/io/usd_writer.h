@@ -2,30 +2,12 @@
 #ifndef CAGEFIT_CLIENT_IO_USD_WRITER_H_
 #define CAGEFIT_CLIENT_IO_USD_WRITER_H_
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 #include "absl/status/status.h"
-#include "core/mesh/control_mesh.h"
+#include "client/io/mesh_sequence.h"
 
 namespace cagefit::client {
-
-// Control vertices over time: `frames` ascend, and each has 3 x n vertices of `cage`.
-struct MeshSequence {
-  struct Frame {
-    int64_t number = 0;
-    const Points3d* vertices = nullptr;
-  };
-  const ControlMesh* cage = nullptr;
-  std::vector<Frame> frames;
-};
-
-struct SceneSettings {
-  double frames_per_second = 24;
-  double metres_per_unit = 1;
-  char up_axis = 'Y';  // or 'Z'
-};
 
 // A .usda file [https://openusd.org/release/spec_usdgeom.html]: one Mesh with subdivisionScheme
 // "loop", its creases and corners, points and extent at the time code of each frame. OpenSubdiv,

@@ -3,8 +3,6 @@
 #include <signal.h>
 
 #include <filesystem>
-#include <iterator>
-#include <sstream>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -70,47 +68,6 @@ TEST(FitEndToEndTest, TheServerInsideGivesTheSameBits) {
   for (const char* frame : {"/frames/0000.obj", "/frames/0001.obj", "/frames/0002.obj"}) {
     EXPECT_EQ(ReadText(inside + frame), ReadText(outside + frame)) << frame;
   }
-}
-
-// The points of a .usda file at a time code.
-std::vector<double> UsdPoints(const std::string& text, int time) {
-  const size_t points = text.find("points.timeSamples");
-  const size_t begin = text.find(absl::StrCat(" ", time, ": [("), points);
-  std::string list = text.substr(begin, text.find(']', begin) - begin);
-  list.erase(0, list.find('['));
-  for (char& c : list) {
-    if (absl::StrContains("[](),", c)) c = ' ';
-  }
-  std::istringstream numbers(list);
-  return {std::istream_iterator<double>(numbers), {}};
-}
-
-TEST(FitEndToEndTest, TheSequenceIsAlsoWrittenAsOtherProgramsReadIt) {
-  const std::string capture = Synth("blob", 3, 5'000);
-  const std::string out = EmptyFolder("formats");
-  const ProgramResult fit = Fit(capture, out,
-                                {"--vertices", "150", "--quick", "--format", "ply,usd", "--fps",
-                                 "30", "--metres-per-unit", "0.01", "--up-axis", "Z"});
-  ASSERT_EQ(fit.exit_code, 0) << fit.err;
-  const std::string usd = ReadText(out + "/sequence.usda");
-  for (const char* line : {"framesPerSecond = 30", "metersPerUnit = 0.01", "upAxis = \"Z\"",
-                           "startTimeCode = 0", "endTimeCode = 2"}) {
-    EXPECT_THAT(usd, HasSubstr(line));
-  }
-  for (int k = 0; k < 3; ++k) {
-    const std::string frame = absl::StrCat(out, "/frames/000", k);
-    const auto cage = client::ReadControlMesh(frame + ".obj");
-    const auto ply = client::ReadGeometry(frame + ".ply");
-    ASSERT_TRUE(cage.ok() && ply.ok()) << cage.status() << ply.status();
-    EXPECT_EQ(ply->mesh.triangles, cage->triangles());
-    EXPECT_LT((ply->mesh.vertices - cage->vertices()).cwiseAbs().maxCoeff(), 1e-6);
-    const std::vector<double> points = UsdPoints(usd, k);
-    ASSERT_EQ(points.size(), static_cast<size_t>(cage->vertices().size()));
-    for (size_t i = 0; i < points.size(); ++i) {
-      ASSERT_NEAR(points[i], cage->vertices().data()[i], 1e-6) << "frame " << k << ", " << i;
-    }
-  }
-  EXPECT_EQ(Fit(capture, out, {"--vertices", "150", "--format", "max"}).exit_code, 2);
 }
 
 TEST(FitEndToEndTest, ALiveRigMayLetFramesBeSkipped) {

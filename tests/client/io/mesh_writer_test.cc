@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <random>
 
+#include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
 #include "tests/support/shapes.h"
 
@@ -43,6 +45,26 @@ TEST(MeshWriterTest, FloatsSurviveDracoAndStl) {
       }
     }
   }
+}
+
+TEST(MeshWriterTest, NormalsOfCornersAreWrittenAndInPlyTheirMeans) {
+  const TriangleMesh mesh = {(Points3d(3, 4) << 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1).finished(),
+                             (Triangles(3, 2) << 0, 0, 1, 2, 2, 3).finished()};
+  const CornerNormals normals = {(Points3d(3, 2) << 0, 1, 0, 0, 1, 0).finished(),
+                                 (Triangles(3, 2) << 0, 1, 0, 1, 0, 1).finished()};
+  ASSERT_TRUE(WriteMesh(TempFile("normals.obj"), mesh, normals).ok());
+  EXPECT_EQ(ReadFileBytes(TempFile("normals.obj"), 1000).value(),
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nvn 0 0 1\nvn 1 0 0\n"
+            "f 1//1 2//1 3//1\nf 1//2 3//2 4//2\n");
+  ASSERT_TRUE(WriteMesh(TempFile("normals.ply"), mesh, normals).ok());
+  const auto back = ReadGeometry(TempFile("normals.ply"));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->mesh.vertices, mesh.vertices);
+  EXPECT_EQ(back->mesh.triangles, mesh.triangles);
+  const float half = std::sqrt(0.5f);
+  Points3f expected(3, 4);
+  expected << half, 0, half, 1, 0, 0, 0, 0, half, 1, half, 0;
+  EXPECT_TRUE(back->normals.isApprox(expected)) << back->normals;
 }
 
 TEST(MeshWriterTest, CreasesAndCornersSurviveObj) {
