@@ -46,7 +46,8 @@ class ResumingStream {
 
   uint64_t next_sequence_number() const { return first_number_; }  // when it opened first
 
-  // Takes one frame more, numbered in sequence. Blocks while frames_in_flight + 1 frames are
+  // Takes one frame more; the first has a sequence_number of at most next_sequence_number(), each
+  // further one that of the frame before it plus 1. Blocks while frames_in_flight + 1 frames are
   // unanswered, so another thread has to receive. An error means that the stream has ended for
   // good; Receive says why.
   absl::Status Send(OutgoingFrame frame);

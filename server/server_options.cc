@@ -43,71 +43,6 @@ absl::Status CheckTls(const ServerOptions& o) {
   return absl::OkStatus();
 }
 
-std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
-  o->store = DefaultStore();
-  auto app = std::make_unique<CLI::App>(
-      "Fits subdivision surfaces to streams of point clouds: the Cagefit server.", "cagefitd");
-  app->set_version_flag("--version", "cagefitd " CAGEFIT_VERSION);
-  app->add_option_function<std::string>(
-      "--config", [](const std::string&) {}, "File of settings, one name=value a line");
-  app->add_flag("--print-config", "Print the settings in force, as --config reads them, and end");
-  app->footer(
-      "Every option is also read from CAGEFITD_NAME, as in CAGEFITD_MAX_POINTS (lists separated by "
-      "commas).\nA flag counts more than a variable, a variable more than the file.");
-  app->add_option("--listen", o->listen, "HOST:PORT (port 0: any free one) or unix:PATH; repeat")
-      ->capture_default_str();
-  app->add_option("--store", o->store, absl::StrCat("Where sessions are kept: ", kStores))
-      ->capture_default_str();
-  app->add_option("--session-ttl-seconds", o->session_ttl_seconds,
-                  "Sessions that nobody uses for so long are deleted; 0: never")
-      ->capture_default_str();
-  app->add_option("--template-program", o->template_program,
-                  "Program that makes templates; default: cagefit beside this one");
-  app->add_option("--template-memory-mib", o->template_memory_mib, "Its limit of memory")
-      ->capture_default_str();
-  app->add_option("--template-seconds", o->template_seconds, "Its limit of time")
-      ->capture_default_str();
-  app->add_option("--max-frame-mib", o->max_frame_mib, "Encoded size of a frame")
-      ->capture_default_str();
-  app->add_option("--max-points", o->max_points, "Points of a frame")->capture_default_str();
-  app->add_option("--max-control-vertices", o->max_control_vertices, "Of a control mesh")
-      ->capture_default_str();
-  app->add_option("--max-sessions", o->max_sessions, "Sessions at a time")->capture_default_str();
-  app->add_option("--max-frames", o->max_frames, "Frames of a session")->capture_default_str();
-  app->add_option("--max-history-mib", o->max_history_mib, "Stored replies of a session")
-      ->capture_default_str();
-  app->add_option("--max-streams", o->max_streams, "Open streams")->capture_default_str();
-  app->add_option("--max-buffered-mib", o->max_buffered_mib,
-                  "In flight of all calls: unanswered frames, unsent results")
-      ->capture_default_str();
-  app->add_option("--max-memory", o->max_memory_mib,
-                  "MiB of the process; 0: 80 % of what the machine or the container has")
-      ->capture_default_str();
-  app->add_option("--threads", o->threads, "Threads of all fits together; 0: one per core")
-      ->capture_default_str();
-  app->add_option("--fits", o->fits, "Concurrent fits; 0: half the threads")->capture_default_str();
-  app->add_option("--drain-seconds", o->drain_seconds, "For frames in work on SIGTERM")
-      ->capture_default_str();
-  app->add_option("--drain-delay", o->drain_delay,
-                  "Seconds from not being ready to that, for load balancers to notice")
-      ->capture_default_str();
-  app->add_option("--health-listen", o->health_listen,
-                  "Address of health alone, without TLS, as probes need it; default: none");
-  app->add_option("--metrics-listen", o->metrics_listen,
-                  "HOST:PORT of metrics for Prometheus, at /metrics; default: none");
-  app->add_option("--log-format", o->log_format, "Lines of the log: text, json")
-      ->capture_default_str();
-  app->add_option("--log-level", o->log_level, "trace, debug, info, warning, error, off")
-      ->capture_default_str();
-  app->add_option("--tls-cert", o->tls_cert, "Certificates of the TCP addresses, PEM file");
-  app->add_option("--tls-key", o->tls_key, "Their key, PEM file");
-  app->add_option("--tls-client-ca", o->tls_client_ca,
-                  "Clients need a certificate of one of these authorities, PEM file");
-  app->add_option("--tokens", o->tokens, "Clients need a token of this file; see cagefit token");
-  app->add_flag("--reflection", o->reflection, "Tell clients the service's methods and messages");
-  return app;
-}
-
 // The first argument that looks like an option and is none.
 absl::Status UnknownOption(const CLI::App& app, const std::vector<std::string>& arguments) {
   std::vector<std::string> names;
@@ -192,6 +127,71 @@ std::string DefaultStore() {
     folder = absl::StrCat(home, "/.local/state/cagefit");
   }
   return absl::StrCat("sqlite:", folder, "/sessions.db");
+}
+
+std::unique_ptr<CLI::App> MakeApp(ServerOptions* o) {
+  o->store = DefaultStore();
+  auto app = std::make_unique<CLI::App>(
+      "Fits subdivision surfaces to streams of point clouds: the Cagefit server.", "cagefitd");
+  app->set_version_flag("--version", "cagefitd " CAGEFIT_VERSION);
+  app->add_option_function<std::string>(
+      "--config", [](const std::string&) {}, "File of settings, one name=value a line");
+  app->add_flag("--print-config", "Print the settings in force, as --config reads them, and end");
+  app->footer(
+      "Every option is also read from CAGEFITD_NAME, as in CAGEFITD_MAX_POINTS (lists separated by "
+      "commas).\nA flag counts more than a variable, a variable more than the file.");
+  app->add_option("--listen", o->listen, "HOST:PORT (port 0: any free one) or unix:PATH; repeat")
+      ->capture_default_str();
+  app->add_option("--store", o->store, absl::StrCat("Where sessions are kept: ", kStores))
+      ->capture_default_str();
+  app->add_option("--session-ttl-seconds", o->session_ttl_seconds,
+                  "Sessions that nobody uses for so long are deleted; 0: never")
+      ->capture_default_str();
+  app->add_option("--template-program", o->template_program,
+                  "Program that makes templates; default: cagefit beside this one");
+  app->add_option("--template-memory-mib", o->template_memory_mib, "Its limit of memory")
+      ->capture_default_str();
+  app->add_option("--template-seconds", o->template_seconds, "Its limit of time")
+      ->capture_default_str();
+  app->add_option("--max-frame-mib", o->max_frame_mib, "Encoded size of a frame")
+      ->capture_default_str();
+  app->add_option("--max-points", o->max_points, "Points of a frame")->capture_default_str();
+  app->add_option("--max-control-vertices", o->max_control_vertices, "Of a control mesh")
+      ->capture_default_str();
+  app->add_option("--max-sessions", o->max_sessions, "Sessions at a time")->capture_default_str();
+  app->add_option("--max-frames", o->max_frames, "Frames of a session")->capture_default_str();
+  app->add_option("--max-history-mib", o->max_history_mib, "Stored replies of a session")
+      ->capture_default_str();
+  app->add_option("--max-streams", o->max_streams, "Open streams")->capture_default_str();
+  app->add_option("--max-buffered-mib", o->max_buffered_mib,
+                  "In flight of all calls: unanswered frames, unsent results")
+      ->capture_default_str();
+  app->add_option("--max-memory", o->max_memory_mib,
+                  "MiB of the process; 0: 80 % of what the machine or the container has")
+      ->capture_default_str();
+  app->add_option("--threads", o->threads, "Threads of all fits together; 0: one per core")
+      ->capture_default_str();
+  app->add_option("--fits", o->fits, "Concurrent fits; 0: half the threads")->capture_default_str();
+  app->add_option("--drain-seconds", o->drain_seconds, "For frames in work on SIGTERM")
+      ->capture_default_str();
+  app->add_option("--drain-delay", o->drain_delay,
+                  "Seconds from not being ready to that, for load balancers to notice")
+      ->capture_default_str();
+  app->add_option("--health-listen", o->health_listen,
+                  "Address of health alone, without TLS, as probes need it; default: none");
+  app->add_option("--metrics-listen", o->metrics_listen,
+                  "HOST:PORT of metrics for Prometheus, at /metrics; default: none");
+  app->add_option("--log-format", o->log_format, "Lines of the log: text, json")
+      ->capture_default_str();
+  app->add_option("--log-level", o->log_level, "trace, debug, info, warning, error, off")
+      ->capture_default_str();
+  app->add_option("--tls-cert", o->tls_cert, "Certificates of the TCP addresses, PEM file");
+  app->add_option("--tls-key", o->tls_key, "Their key, PEM file");
+  app->add_option("--tls-client-ca", o->tls_client_ca,
+                  "Clients need a certificate of one of these authorities, PEM file");
+  app->add_option("--tokens", o->tokens, "Clients need a token of this file; see cagefit token");
+  app->add_flag("--reflection", o->reflection, "Tell clients the service's methods and messages");
+  return app;
 }
 
 ParsedServerOptions ParseServerOptions(int argc, const char* const* argv) {

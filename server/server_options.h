@@ -3,11 +3,16 @@
 #define CAGEFIT_SERVER_SERVER_OPTIONS_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+
+namespace CLI {
+class App;
+}
 
 namespace cagefit::server {
 
@@ -61,6 +66,9 @@ struct ServerOptions {
 // sqlite: and sessions.db in $STATE_DIRECTORY (which systemd sets), $XDG_STATE_HOME/cagefit,
 // /var/lib/cagefit for root, or ~/.local/state/cagefit.
 std::string DefaultStore();
+
+// All options with their defaults; parsing writes `options`, which must outlive the result.
+std::unique_ptr<CLI::App> MakeApp(ServerOptions* options);
 
 struct ParsedServerOptions {
   ServerOptions options;

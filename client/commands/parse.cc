@@ -74,38 +74,44 @@ void AddFile(const CLI::App& command, std::vector<std::string>* arguments) {
 
 }  // namespace
 
-int RunCommandLine(int argc, const char* const* argv) {
-  CLI::App app("Fits subdivision surfaces to captures of moving things.", "cagefit");
-  app.set_version_flag("--version", "cagefit " CAGEFIT_VERSION);
-  app.require_subcommand(1);
-  app.footer(
+std::unique_ptr<CLI::App> MakeApp(const std::vector<std::string>* words, Run* run) {
+  auto app = std::make_unique<CLI::App>("Fits subdivision surfaces to captures of moving things.",
+                                        "cagefit");
+  app->set_version_flag("--version", "cagefit " CAGEFIT_VERSION);
+  app->require_subcommand(1);
+  app->footer(
       "`cagefit COMMAND --help` explains a command. Its options are also read from CAGEFIT_NAME, "
       "as "
       "in CAGEFIT_SERVER.\nExit codes: 0 done, 1 the work failed, 2 wrong usage, 3 no server, 4 "
       "partly done.");
+  AddFitCommand(app.get(), words, run);
+  AddTemplateCommand(app.get(), run);
+  AddTokenCommand(app.get(), run);
+  AddRefineCommand(app.get(), run);
+  AddRenderCommand(app.get(), run);
+  AddEvaluateCommand(app.get(), run);
+  AddSessionCommand(app.get(), run);
+  AddSynthCommand(app.get(), run);
+  AddHealthCommand(app.get(), run);
+  return app;
+}
+
+int RunCommandLine(int argc, const char* const* argv) {
   Run run;
   std::vector<std::string> words = {argv[0]};
-  AddFitCommand(&app, &words, &run);
-  AddTemplateCommand(&app, &run);
-  AddTokenCommand(&app, &run);
-  AddRefineCommand(&app, &run);
-  AddRenderCommand(&app, &run);
-  AddEvaluateCommand(&app, &run);
-  AddSessionCommand(&app, &run);
-  AddSynthCommand(&app, &run);
-  AddHealthCommand(&app, &run);
+  const std::unique_ptr<CLI::App> app = MakeApp(&words, &run);
   std::vector<std::string> arguments(argv + 1, argv + argc);
-  const CLI::App* command = Named(&app, arguments);
+  const CLI::App* command = Named(app.get(), arguments);
   try {
     AddVariables(*command, &arguments);
     words.insert(words.end(), arguments.begin(), arguments.end());
     AddFile(*command, &arguments);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
-    app.parse(std::move(arguments));
+    app->parse(std::move(arguments));
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    return app->exit(success);
   } catch (const CLI::ParseError& error) {
-    const std::string name = command == &app ? "" : " " + command->get_name();
+    const std::string name = command == app.get() ? "" : " " + command->get_name();
     std::cerr << "cagefit: " << error.what() << "\nRun cagefit" << name
               << " --help for its options.\n";
     return kWrongUsage;

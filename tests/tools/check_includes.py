@@ -29,6 +29,7 @@ ALLOWED["client/io"] = ["core/base", "core/mesh", "core/cloud", "core/image", "c
 ALLOWED["client/synth"] = ["client/io"] + CLIENT_CORE
 ALLOWED["client"] = ["client/io", "client/synth", "client/commands", "cagefit/v1"] + CLIENT_CORE
 ALLOWED["client/commands"] = ["client"] + ALLOWED["client"]
+ALLOWED["deploy/manual"] = ["client/commands", "server"]
 # The one file of the client that may know the server.
 EMBEDDED = re.compile(r"client/embedded_server\.(h|cc)$")
 
@@ -39,7 +40,7 @@ LIBRARIES = {
     r"nanoflann": ["core/cloud/kd_tree.cc"],
     r"open3d/": ["core/template", "client/io"],
     r"ceres/": ["core/fit"],
-    r"CLI/": ["server/server_options", "client/commands", "client/main.cc"],
+    r"CLI/": ["server/server_options", "client/commands", "client/main.cc", "deploy/manual"],
     r"(grpc|grpcpp|google/protobuf|google/rpc)/": ["server/transport", "server/server", "server/network", "server/main.cc",
                                                    "client/"],
     r"prometheus/": ["server/metrics_port.cc"],
@@ -58,7 +59,7 @@ def folder_of(path):
 
 def main(root):
     errors = []
-    files = [p for top in ("core", "server", "client") for p in sorted((root / top).rglob("*")) if p.suffix in (".h", ".cc")]
+    files = [p for top in ("core", "server", "client", "deploy") for p in sorted((root / top).rglob("*")) if p.suffix in (".h", ".cc")]
     for file in files:
         name = file.relative_to(root).as_posix()
         folder = folder_of(name)

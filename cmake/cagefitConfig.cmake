@@ -1,0 +1,13 @@
+# find_package(cagefit): the target cagefit::client, and what it is made of.
+include(CMakeFindDependencyMacro)
+find_dependency(Protobuf)
+find_dependency(gRPC CONFIG)
+find_dependency(absl CONFIG)
+find_dependency(Eigen3 CONFIG)
+find_dependency(TBB CONFIG)
+find_dependency(hwy CONFIG)
+find_dependency(draco CONFIG)
+find_dependency(PNG)
+find_dependency(PkgConfig)
+pkg_check_modules(isal REQUIRED IMPORTED_TARGET libisal)
+include(${CMAKE_CURRENT_LIST_DIR}/cagefitTargets.cmake)
