@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds, starts cagefitd on a free port, streams a capture through it and prints what was reached.
+# Sets up, builds, starts cagefitd on a free port, streams a capture through it and prints what was reached; shows it in
+# build/demo/fit/report.html, which any browser opens.
 #   deploy/demo.sh                       a capture that it makes itself
 #   deploy/demo.sh INPUT... [-- OPTION...]   files or a folder; options as of `cagefit fit`, e.g. -- --vertices 2046
 # Files go to $CAGEFIT_DEMO_OUT (default build/demo). Exits 1 if a frame is missing or the RMS distance of any frame is above
@@ -46,9 +47,10 @@ echo "cagefitd serves on $address"
 
 rm -rf "$out/fit"
 status=0
-"$bin/cagefit" fit "${inputs[@]}" --server "$address" --out "$out/fit" "${options[@]}" || status=$?
+"$bin/cagefit" fit "${inputs[@]}" --server "$address" --out "$out/fit" --report "${options[@]}" || status=$?
 grep VmHWM "/proc/$server/status" | awk '{ printf "Server memory at its highest: %.0f MB\n", $2 / 1024 }'
 echo "Server log: $out/cagefitd.log"
+echo "To look at: $out/fit/report.html"
 [ "$status" -eq 0 ] || { echo "demo: cagefit fit ended with exit code $status" >&2; exit 1; }
 
 python3 - "$out/fit/report.json" <<'PY'

@@ -135,7 +135,7 @@ int Evaluate(const EvaluateArguments& arguments) {
     return kFailed;
   }
   if (arguments.json) {
-    std::cout << FramesJson(*frames).dump(2) << "\n";
+    std::cout << Text(FramesJson(*frames), 2) << "\n";
   } else {
     PrintTable(*frames);
   }

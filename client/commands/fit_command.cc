@@ -55,11 +55,12 @@ void Print(const FitArguments& arguments, const FitReport& report) {
   if (arguments.json) {
     Json json = ReportJson(report);
     json.erase("frames");
-    std::cout << json.dump() << "\n";
+    std::cout << Text(json) << "\n";
   } else if (Totals(report).fitted > 0) {
     PrintFitTable(report, std::cout);
     std::cout << "Control meshes: " << arguments.out << "/frames and " << arguments.out
-              << "/cage.obj; report: " << arguments.out << "/report.json\n";
+              << "/cage.obj; report: " << arguments.out
+              << (arguments.report ? "/report.html and report.json\n" : "/report.json\n");
   }
 }
 

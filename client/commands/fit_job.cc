@@ -15,10 +15,20 @@
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
 #include "client/mesh_from_proto.h"
+#include "client/report/html_report.h"
 #include "core/base/status.h"
 
 namespace cagefit::client {
 namespace {
+
+constexpr size_t kMostNameBytes = 200;  // that a server takes
+
+// The beginning of a text in UTF-8, at most so many bytes, in whole characters.
+std::string Beginning(const std::string& text, size_t bytes) {
+  const auto is_inside = [&](size_t at) { return (text[at] & 0xC0) == 0x80; };
+  while (bytes < text.size() && bytes > 0 && is_inside(bytes)) --bytes;
+  return text.substr(0, bytes);
+}
 
 double Seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -71,8 +81,8 @@ absl::Status FitJob::Run() {
 
 absl::StatusOr<v1::CreateSessionRequest> FitJob::SessionRequest() {
   v1::CreateSessionRequest request;
-  request.set_name(
-      (arguments_.name.empty() ? arguments_.inputs.front() : arguments_.name).substr(0, 200));
+  const std::string& name = arguments_.name.empty() ? arguments_.inputs.front() : arguments_.name;
+  request.set_name(Beginning(Utf8(name), kMostNameBytes));
   *request.mutable_options() = arguments_.options;
   for (const Camera& camera : reader_.cameras()) {
     *request.mutable_options()->add_cameras() = client::ToProto(camera);
@@ -233,7 +243,7 @@ void FitJob::Show(size_t visit, const FrameRecord& record,
   if (!arguments_.json) return;
   Json json = FrameJson(record, FrameOfVisit(visit), 0);
   if (IsWayBack(visit)) json["way_back"] = true;
-  std::cout << json.dump() << std::endl;
+  std::cout << Text(json) << std::endl;
 }
 
 absl::StatusOr<FrameRecord*> FitJob::Take(FittedFrame frame) {
@@ -296,14 +306,32 @@ absl::Status FitJob::Finish() {
   report_.settings = Settings();
   // What was fitted is written even where the true motion cannot be read any more.
   const absl::Status measured = MeasureDrift();
-  RETURN_IF_ERROR(WriteFileBytes(arguments_.out + "/report.json", ReportJson(report_).dump(2)));
-  if (!is_fitted) return measured;
-  RETURN_IF_ERROR(WriteControlMesh(
-      arguments_.out + "/cage.obj",
-      meshes_->cage()->WithVertices(report_.frames[*last_fitted_].control_vertices)));
-  RETURN_IF_ERROR(WriteSequence(arguments_.formats, *meshes_->cage(), report_.frames,
-                                arguments_.out, arguments_.out + "/frames"));
+  Json json = ReportJson(report_);
+  RETURN_IF_ERROR(WriteFileBytes(arguments_.out + "/report.json", Text(json, 2)));
+  if (is_fitted) {
+    RETURN_IF_ERROR(WriteControlMesh(
+        arguments_.out + "/cage.obj",
+        meshes_->cage()->WithVertices(report_.frames[*last_fitted_].control_vertices)));
+    RETURN_IF_ERROR(WriteSequence(arguments_.formats, *meshes_->cage(), report_.frames,
+                                  arguments_.out, arguments_.out + "/frames"));
+  }
+  if (arguments_.report) RETURN_IF_ERROR(WritePage(std::move(json)));
   return measured;
+}
+
+absl::Status FitJob::WritePage(Json report) const {
+  HtmlReport page;
+  page.report = std::move(report);
+  page.frames_per_second = arguments_.formats.frames_per_second;
+  page.up_axis = arguments_.formats.up_axis.front();
+  if (last_fitted_.has_value()) page.cage = &*meshes_->cage();
+  for (size_t k = 0; k < report_.frames.size(); ++k) {
+    const FrameRecord& record = report_.frames[k];
+    if (record.control_vertices.cols() == 0) continue;  // not fitted
+    const double rms = record.distances ? record.distances->rms : record.reply.distances().rms();
+    page.frames.push_back({k, record.file, &record.control_vertices, rms});
+  }
+  return WriteHtmlReport(arguments_.out + "/report.html", page);
 }
 
 absl::Status FitJob::MeasureDrift() {

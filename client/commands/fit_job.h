@@ -76,6 +76,7 @@ class FitJob {
   void AddRecords();
 
   absl::Status MeasureDrift();
+  absl::Status WritePage(Json report) const;  // report.html, as its flag asks for
   Json Settings() const;
 
   const FitArguments& arguments_;

@@ -305,6 +305,8 @@ void AddFitFlags(FitArguments* a, CLI::App* command) {
                     "As a live rig: the server skips frames that it cannot keep up with");
   AddFormatFlags(&a->formats, command);
   command->add_flag("--quick", a->quick, "Only the server's sampled distances, no exact ones");
+  command->add_flag("--report", a->report,
+                    "Write OUT/report.html, too: a page that shows the fit in any browser");
   command->add_flag("--json", a->json, "Print one JSON object a frame, and one at the end");
   command->add_option("--threads", a->threads, "Of the server inside; 0: one per core")
       ->capture_default_str()

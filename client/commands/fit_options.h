@@ -30,7 +30,7 @@ struct FitArguments {
   uint64_t from_frame = 0;
   std::optional<uint64_t> to_frame;  // the last one
   SequenceFormats formats;
-  bool keep_session = false, quick = false, json = false, round_trip = false;
+  bool keep_session = false, quick = false, report = false, json = false, round_trip = false;
   bool takes = false;              // every input is a take of its own
   uint32_t chunk = 0, chunks = 1;  // of the takes, those whose index modulo `chunks` is `chunk`
   bool follow = false;

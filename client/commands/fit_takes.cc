@@ -78,7 +78,7 @@ void Print(const Take& take, const FitReport& report, int exit_code) {
   Json json = {{"take", take.name}, {"exit_code", exit_code}};
   json.update(ReportJson(report));
   json.erase("frames");
-  std::cout << json.dump() << std::endl;
+  std::cout << Text(json) << std::endl;
 }
 
 class TakeFit {

@@ -9,6 +9,12 @@ double Percent(double distance, double diagonal) {
 
 }  // namespace
 
+std::string Text(const Json& json, int indent) {
+  return json.dump(indent, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
+}
+
+std::string Utf8(const std::string& text) { return Json::parse(Text(Json(text))); }
+
 Json ToJson(const DistanceStats& stats, double diagonal) {
   return {{"mean", stats.mean},
           {"rms", stats.rms},

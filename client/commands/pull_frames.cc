@@ -31,7 +31,7 @@ absl::Status PullFrames(FitClient* client, const std::string& session_id, const 
   }));
   report.diagonal = SampledDiagonal(report);
   report.settings = {{"options", ToJson(report.session.options())}};
-  RETURN_IF_ERROR(WriteFileBytes(folder + "/report.json", ReportJson(report).dump(2)));
+  RETURN_IF_ERROR(WriteFileBytes(folder + "/report.json", Text(ReportJson(report), 2)));
   if (meshes.cage().has_value()) {
     RETURN_IF_ERROR(WriteSequence(formats, *meshes.cage(), report.frames, folder, folder));
   }

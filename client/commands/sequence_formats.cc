@@ -29,20 +29,19 @@ CLI::Option* AddFormatFlags(SequenceFormats* formats, CLI::App* command) {
                        "morph targets, .glb); lists separated by commas")
           ->delimiter(',')
           ->check(CLI::IsMember({"ply", "usd", "gltf"}));
-  command->add_option("--fps", formats->frames_per_second, "Frames a second of usd and gltf")
+  command
+      ->add_option("--fps", formats->frames_per_second, "Frames a second of usd, gltf and a report")
       ->capture_default_str()
-      ->check(CLI::Range(1e-3, 1e6))
-      ->needs(format);
+      ->check(CLI::Range(1e-3, 1e6));
   command
       ->add_option("--metres-per-unit", formats->metres_per_unit,
                    "Of usd and gltf; the files keep the capture's units and say this")
       ->capture_default_str()
       ->check(CLI::Range(1e-9, 1e9))
       ->needs(format);
-  command->add_option("--up-axis", formats->up_axis, "Of usd and gltf, likewise")
+  command->add_option("--up-axis", formats->up_axis, "Of usd, gltf and a report")
       ->capture_default_str()
-      ->check(CLI::IsMember({"Y", "Z"}))
-      ->needs(format);
+      ->check(CLI::IsMember({"Y", "Z"}));
   command
       ->add_option("--gltf-levels", formats->levels,
                    "Refinement levels of gltf; each takes 4 times the triangles")

@@ -35,7 +35,7 @@ absl::Status List(FitClient* client, const SessionArguments& arguments) {
   if (arguments.json) {
     Json json = Json::array();
     for (const v1::Session& session : sessions) json.push_back(ToJson(session));
-    std::cout << json.dump(2) << "\n";
+    std::cout << Text(json, 2) << "\n";
     return absl::OkStatus();
   }
   std::cout << absl::StreamFormat("%-34s %8s %9s %9s  %s\n", "session", "fitted", "rejected",
@@ -50,7 +50,7 @@ absl::Status List(FitClient* client, const SessionArguments& arguments) {
 
 absl::Status Show(FitClient* client, const SessionArguments& arguments) {
   ASSIGN_OR_RETURN(const v1::Session session, client->GetSession(arguments.id));
-  std::cout << ToJson(session).dump(2) << "\n";
+  std::cout << Text(ToJson(session), 2) << "\n";
   return absl::OkStatus();
 }
 

@@ -54,6 +54,7 @@ Json AskedOf(const FitArguments& a, const std::vector<std::string>& files) {
           {"round_trip", a.round_trip},
           {"latest", a.latest},
           {"quick", a.quick},
+          {"report", a.report},
           {"formats", ToJson(a.formats)},
           {"named", StampsOf(named)},
           {"frames", StampsOf(files)}};
@@ -78,7 +79,7 @@ absl::Status WriteTakeState(const std::string& path, const TakeState& state) {
   Json json = {{"server", state.server}, {"session", state.session}};
   if (state.exit_code.has_value()) json["exit_code"] = *state.exit_code;
   json["asked"] = state.asked;
-  return WriteFileBytes(path, json.dump(1));
+  return WriteFileBytes(path, Text(json, 1));
 }
 
 }  // namespace cagefit::client

@@ -70,6 +70,19 @@ TEST(FitEndToEndTest, TheServerInsideGivesTheSameBits) {
   }
 }
 
+TEST(FitEndToEndTest, AFileNameNeedNotBeUtf8) {
+  const std::string capture = Synth("blob", 1, 3'000), out = EmptyFolder("fit_named");
+  const std::string folder = EmptyFolder("named") + "/", file = folder + "fr\xe9me.drc";
+  std::filesystem::copy_file(capture + "/frame_0000.drc", file);
+  const ProgramResult fit = Fit(file, out, {"--vertices", "100", "--json", "--report"});
+  ASSERT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_THAT(ReadJson(out + "/report.json")["frames"][0]["file"].get<std::string>(),
+              HasSubstr("fr\uFFFDme.drc"));
+  std::string name;  // cut between characters, not in one
+  for (int k = 0; k < 150; ++k) name += "\u00e9";
+  EXPECT_EQ(Fit(file, out, {"--vertices", "100", "--name", "a" + name}).exit_code, 0);
+}
+
 TEST(FitEndToEndTest, ALiveRigMayLetFramesBeSkipped) {
   const std::string capture = Synth("blob", 24, 2'000);
   const std::string cage = capture + "_cage.obj";

@@ -162,9 +162,9 @@ TEST_F(FormatsTest, AFormatThatThereIsNotIsWrongUsage) {
   EXPECT_EQ(RunCagefit({"fit", capture_, "--out", out_, "--vertices", "150", "--format", "max"})
                 .exit_code,
             2);
-  EXPECT_EQ(
-      RunCagefit({"fit", capture_, "--out", out_, "--vertices", "150", "--fps", "30"}).exit_code,
-      2);
+  EXPECT_EQ(RunCagefit({"fit", capture_, "--out", out_, "--vertices", "150", "--gltf-levels", "2"})
+                .exit_code,
+            2);
 }
 
 }  // namespace

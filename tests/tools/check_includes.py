@@ -26,8 +26,9 @@ ALLOWED["server/transport"] = ["server/session", "cagefit/v1"] + ALLOWED["server
 ALLOWED["server"] = ["server/store", "server/transport"] + ALLOWED["server/transport"]
 CLIENT_CORE = [f for f in CORE if f not in ("core/energy", "core/fit")]
 ALLOWED["client/io"] = ["core/base", "core/mesh", "core/cloud", "core/image", "core/codec", "core/subdiv"]
+ALLOWED["client/report"] = ["client/io"] + CLIENT_CORE
 ALLOWED["client/synth"] = ["client/io"] + CLIENT_CORE
-ALLOWED["client"] = ["client/io", "client/synth", "client/commands", "cagefit/v1"] + CLIENT_CORE
+ALLOWED["client"] = ["client/io", "client/report", "client/synth", "client/commands", "cagefit/v1"] + CLIENT_CORE
 ALLOWED["client/commands"] = ["client"] + ALLOWED["client"]
 ALLOWED["deploy/manual"] = ["client/commands", "server"]
 # The one file of the client that may know the server.
