@@ -52,20 +52,44 @@ def run_scripts(block, folder):
             run(command + SHORT.get(" ".join(command), []), SOURCE, env=environment)
 
 
+def synth(folder, name):
+    run([BUILD / "bin/cagefit", "synth", "blob", "--out", name, "--frames", "2", "--points", "20000"], folder)
+
+
 def run_server_and_fit(block, folder):
     """A server, then a fit on it from another machine."""
     serve, fit = ([str(BUILD / "bin" / line.split()[0]), *line.split()[1:]] for line in block)
-    run([BUILD / "bin/cagefit", "synth", "blob", "--out", "capture", "--frames", "2", "--points", "20000"], folder)
+    synth(folder, "capture")
     serve = [word.replace("0.0.0.0:50051", "127.0.0.1:0") for word in serve] + ["--store", "memory"]
     server = subprocess.Popen(serve, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         address = server.stdout.readline().split()[-1]
-        run([word.replace("rig:50051", address) for word in fit], folder)
+        run([{"rig:50051": address, "60": "1"}.get(word, word) for word in fit], folder)
     finally:
         server.terminate()
         server.wait()
-    for file in ("frames/0001.obj", "cage.obj", "report.json"):
+    for file in ("frames/0001.obj", "cage.obj", "report.html"):
         assert (folder / "fitted" / file).exists(), file
+
+
+def run_takes(block, folder):
+    """Takes, here, and on Slurm, which deploy/slurm/check.sh does."""
+    fit, batch = block
+    for take in ("run", "walk"):
+        synth(folder, f"captures/{take}")
+    run(["bash", "-c", fit], folder, env={**os.environ, "PATH": f"{BUILD}/bin:{os.environ['PATH']}"})
+    for file in ("run/sequence.glb", "walk/sequence.usda", "walk/report.html"):
+        assert (folder / "fitted" / file).exists(), file
+    run(["bash", "-n", batch.split()[2]], SOURCE)
+
+
+def run_containers(block, _):
+    """The Dockerfile has the same commands, and deploy/container/check.sh does what they do; deploy/k8s/check.sh the last."""
+    dockerfile = (SOURCE / "Dockerfile").read_text()
+    *docker, kubectl = block
+    for line in docker:
+        assert line in dockerfile, line
+    assert (SOURCE / kubectl.split()[-1] / "kustomization.yaml").exists(), kubectl
 
 
 def run_find_package(block, _):
@@ -87,6 +111,8 @@ def run_python(block, _):
 KNOWN = {
     "deploy/demo.sh": run_scripts,
     "cagefitd --listen": run_server_and_fit,
+    "cagefit fit --takes": run_takes,
+    "docker build": run_containers,
     "tests/soak/run.sh": run_scripts,
     "find_package": run_find_package,
     "q = list": run_python,
