@@ -38,6 +38,8 @@ class RunningProgram {
   int Wait();
   // Its largest resident memory so far.
   int64_t PeakMiB() const;
+  // The time that all its threads have worked.
+  double CpuSeconds() const;
 
  private:
   pid_t pid_ = -1;

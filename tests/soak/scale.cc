@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "core/base/status.h"
 #include "tests/soak/nginx_proxy.h"
@@ -51,6 +53,7 @@ class Farm {
   }
   const std::string& address() const { return proxy_->address(); }
   std::deque<SoakServer>& replicas() { return replicas_; }
+  const std::deque<SoakServer>& replicas() const { return replicas_; }
 
  private:
   PostgresServer postgres_;
@@ -181,6 +184,31 @@ absl::Status Kill(const Options& options, Farm* farm) {
   return absl::OkStatus();
 }
 
+// Ends every replica in turn as an update does, and starts it again.
+absl::Status RestartInTurn(Farm* farm) {
+  for (SoakServer& replica : farm->replicas()) {
+    const int exit_code = replica.Terminate();
+    if (exit_code != 0) {
+      return absl::InternalError(absl::StrCat("a replica ended with exit code ", exit_code));
+    }
+    RETURN_IF_ERROR(replica.Start());
+    absl::SleepFor(absl::Seconds(1));
+  }
+  return absl::OkStatus();
+}
+
+// Each replica has worked at least a quarter as much as the one that has worked most.
+absl::Status CheckSpread(const Farm& farm) {
+  std::vector<double> seconds;
+  for (const SoakServer& replica : farm.replicas()) seconds.push_back(replica.CpuSeconds());
+  const std::string text =
+      absl::StrCat("seconds of work of the replicas: ", absl::StrJoin(seconds, ", "));
+  std::cout << text << "\n";
+  const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
+  if (*least >= *most / 4) return absl::OkStatus();
+  return absl::InternalError(text + ": sessions are not spread");
+}
+
 absl::Status Run(const Options& options) {
   ASSIGN_OR_RETURN(const auto undisturbed, UndisturbedBits(options.frames));
   const auto wait = [&options] {
@@ -200,12 +228,21 @@ absl::Status Run(const Options& options) {
   std::cout << options.streams << " streams: " << alone << " frames a second of one replica, "
             << quiet.per_second << " of " << options.replicas << " on the same "
             << std::thread::hardware_concurrency() << " cores\n";
+  RETURN_IF_ERROR(CheckSpread(farm));
   ASSIGN_OR_RETURN(const Outcome killed,
                    StreamWhile(options, &farm, undisturbed, [&] { return Kill(options, &farm); }));
   std::cout << options.kills << " kills, " << killed.breaks
             << " broken streams: each frame answered once, in order, equal to the bit; the next "
                "answer after "
             << killed.longest_gap << " at most\n";
+  ASSIGN_OR_RETURN(const Outcome restarted,
+                   StreamWhile(options, &farm, undisturbed, [&] { return RestartInTurn(&farm); }));
+  std::cout << options.replicas << " replicas restarted in turn, " << restarted.breaks
+            << " broken streams: likewise; the next answer after " << restarted.longest_gap
+            << " at most\n";
+  if (restarted.longest_gap > absl::Seconds(options.longest_gap)) {
+    return absl::DeadlineExceededError("which is too long");
+  }
   if (killed.longest_gap <= absl::Seconds(options.longest_gap)) return absl::OkStatus();
   return absl::DeadlineExceededError("which is too long");
 }

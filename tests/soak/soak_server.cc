@@ -50,6 +50,8 @@ int SoakServer::Terminate() {
   return running_->Wait();
 }
 
+double SoakServer::CpuSeconds() const { return running_->CpuSeconds(); }
+
 void SoakServer::Kill() { running_.reset(); }
 
 }  // namespace cagefit::testing

@@ -25,6 +25,7 @@ class SoakServer {
   absl::Status Start();
   int Terminate();  // SIGTERM; its exit code, when it is gone
   void Kill();      // SIGKILL; returns when it is gone
+  double CpuSeconds() const;  // of all cores, since Start
 
  private:
   const std::string program_;
