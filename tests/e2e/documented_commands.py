@@ -19,7 +19,7 @@ SHORT = {
     "tests/load/run.sh idle": ["--sessions", "40", "--minutes", "0.01"],
 }
 # They need other packages or rights than tests do, as the checks beside the pages of deploy/ do.
-PARSED_ONLY = {"tests/fuzz/run.sh", "deploy/k8s/check.sh", "deploy/slurm/check.sh"}
+PARSED_ONLY = {"tests/fuzz/run.sh", "deploy/container/check.sh", "deploy/k8s/check.sh", "deploy/slurm/check.sh"}
 
 
 def blocks(page):
