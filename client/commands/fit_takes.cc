@@ -113,7 +113,7 @@ class TakeFit {
  private:
   FitEnd Fit(const FitInput& input, TakeState* state) {
     FitJob job(take_.arguments, input.files, /*follower=*/nullptr, input.truth, interrupt_);
-    const FitEnd end = RunFit(&job, [&](const std::string& session) {
+    FitEnd end = RunFit(&job, [&](const std::string& session) {
       state->session = session;
       return WriteTakeState(StatePath(take_), *state);
     });

@@ -65,7 +65,7 @@ class Sectors {
 
 ShadedMesh::ShadedMesh(const ControlMesh& cage, int levels) {
   LimitMesh limit = BuildLimitMesh(cage.topology(), cage.tags(), levels);
-  limit_ = std::move(limit.position);
+  limit_.swap(limit.position);  // sparse matrices of Eigen 3.4 are not moved
   limit_triangles_ = std::move(limit.triangles);
   std::optional<Refinement> fine;
   for (int level = 0; level < levels; ++level) {
@@ -92,8 +92,8 @@ ShadedMesh::ShadedMesh(const ControlMesh& cage, int levels) {
   // Points on corners of triangles are valid.
   SurfaceStencils stencils =
       LimitSurface(cage.topology(), cage.tags()).Stencils(points, Derivatives::kFirst).value();
-  du_ = std::move(stencils.du);
-  dv_ = std::move(stencils.dv);
+  du_.swap(stencils.du);
+  dv_.swap(stencils.dv);
 }
 
 void ShadedMesh::Evaluate(const Points3d& V, Points3d* positions, Points3d* normals) const {
