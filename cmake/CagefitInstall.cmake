@@ -20,10 +20,8 @@ foreach(folder core/base core/mesh core/cloud core/image core/codec client)
     PATTERN example EXCLUDE PATTERN embedded_server.h EXCLUDE PATTERN encode_frame.h EXCLUDE
     PATTERN limit_surface.h EXCLUDE)
 endforeach()
-foreach(message fitting)
-  install(FILES ${PROJECT_BINARY_DIR}/proto/cagefit/v1/${message}.pb.h
-    ${PROJECT_BINARY_DIR}/proto/cagefit/v1/${message}.grpc.pb.h DESTINATION ${headers}/cagefit/v1)
-endforeach()
+install(FILES ${PROJECT_BINARY_DIR}/proto/cagefit/v1/fitting.pb.h ${PROJECT_BINARY_DIR}/proto/cagefit/v1/fitting.grpc.pb.h
+  DESTINATION ${headers}/cagefit/v1)
 install(FILES proto/cagefit/v1/fitting.proto DESTINATION ${CMAKE_INSTALL_DATADIR}/cagefit/cagefit/v1)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/cagefit)

@@ -99,7 +99,7 @@ client() {
   local image=$1
   shift
   podman run --rm --network "${network:-container:server}" --read-only --cap-drop all --no-healthcheck \
-    --volume "$scratch/work:/work" --entrypoint /usr/local/bin/cagefit "localhost/$image" "$@"
+    --volume "$scratch/work:/shared" --entrypoint /usr/local/bin/cagefit "localhost/$image" "$@"
 }
 
 # Ends the server container by the image's stop signal.
@@ -114,7 +114,7 @@ stop() {
 
 # `server` says why it makes no control mesh.
 check_refusal() {
-  ! client server fit /work/capture --server 127.0.0.1:50051 --vertices 300 --out /work/none >refusal.log 2>&1 ||
+  ! client server fit /shared/capture --server 127.0.0.1:50051 --vertices 300 --out /shared/none >refusal.log 2>&1 ||
     fail "server makes a control mesh"
   grep -q 'template program' refusal.log || { cat refusal.log >&2; fail "server does not say that it makes no control mesh"; }
 }
@@ -142,14 +142,14 @@ check_image() {
     fail "the label of $image has another version than its programs"
 
   start "$image" "cagefit-$image"
-  client "$image" fit /work/capture --server 127.0.0.1:50051 --keep-session --out "/work/$image" "$@" >"$image.fit.log" 2>&1 ||
+  client "$image" fit /shared/capture --server 127.0.0.1:50051 --keep-session --out "/shared/$image" "$@" >"$image.fit.log" 2>&1 ||
     { cat "$image.fit.log" >&2; podman logs server >&2; fail "the fit failed"; }
   session=$(read_report "work/$image/report.json")
   [ "$image" = full ] || check_refusal
   stop
 
   start "$image" "cagefit-$image"
-  client "$image" session pull "$session" --frames "/work/$image-pulled" >/dev/null
+  client "$image" session pull "$session" --frames "/shared/$image-pulled" >/dev/null
   stop
   for frame in "work/$image"/frames/*.obj; do
     cmp "$frame" "work/$image-pulled/$(basename "$frame")" || fail "a second container gives other frames"
@@ -164,9 +164,9 @@ check() {
   print_sizes
 
   mkdir -m 0777 work
-  network=none client full synth tube --out /work/capture --frames "$frames" --points 20000 >/dev/null
-  network=none client full template /work/capture/frame_0000.drc --vertices 300 --out /work/cage.obj >/dev/null
-  check_image server --template /work/cage.obj
+  network=none client full synth tube --out /shared/capture --frames "$frames" --points 20000 >/dev/null
+  network=none client full template /shared/capture/frame_0000.drc --vertices 300 --out /shared/cage.obj >/dev/null
+  check_image server --template /shared/cage.obj
   check_image full --vertices 300
   echo "Both images work."
 }

@@ -23,8 +23,8 @@ class SoakServer {
 
   // Returns when it listens. UNAVAILABLE when it ends before.
   absl::Status Start();
-  int Terminate();  // SIGTERM; its exit code, when it is gone
-  void Kill();      // SIGKILL; returns when it is gone
+  int Terminate();            // SIGTERM; its exit code, when it is gone
+  void Kill();                // SIGKILL; returns when it is gone
   double CpuSeconds() const;  // of all cores, since Start
 
  private:
