@@ -30,6 +30,10 @@ std::string Suggestion(absl::string_view written, const std::vector<std::string>
   const std::string* nearest = nullptr;
   size_t least = std::max<size_t>(2, written.size() / 3) + 1;
   for (const std::string& name : names) {
+    // At least the difference of their lengths, which what is written may be all of a file.
+    if (std::max(written.size(), name.size()) - std::min(written.size(), name.size()) >= least) {
+      continue;
+    }
     const size_t distance = EditDistance(written, name);
     if (distance >= least) continue;
     least = distance;
