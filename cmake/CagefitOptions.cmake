@@ -26,6 +26,7 @@ if(CAGEFIT_SANITIZE)
 endif()
 
 if(CAGEFIT_FUZZ)
-  add_compile_options(-fsanitize=fuzzer-no-link)
+  add_compile_options(-fsanitize=fuzzer-no-link
+    -fsanitize-coverage-ignorelist=${PROJECT_SOURCE_DIR}/tests/fuzz/coverage_ignorelist.txt)
   add_link_options(-fsanitize=fuzzer-no-link)
 endif()
