@@ -1,8 +1,10 @@
 #include "server/store/sqlite.h"
 
 #include <fcntl.h>
+#include <linux/magic.h>
 #include <sqlite3.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -81,6 +83,24 @@ class SqliteStatement final : public Statement {
 
 }  // namespace
 
+SqliteJournalMode JournalModeOn(int64_t file_system) {
+  constexpr int64_t kZfs = 0x2fc12fc1, kBcachefs = 0xca451a4e;
+  switch (file_system) {
+    case BTRFS_SUPER_MAGIC:
+    case EXT4_SUPER_MAGIC:
+    case F2FS_SUPER_MAGIC:
+    case OVERLAYFS_SUPER_MAGIC:
+    case RAMFS_MAGIC:
+    case TMPFS_MAGIC:
+    case XFS_SUPER_MAGIC:
+    case kBcachefs:
+    case kZfs:
+      return SqliteJournalMode::kWriteAheadLog;
+    default:
+      return SqliteJournalMode::kRollback;
+  }
+}
+
 void SqliteDatabase::CloseFn::operator()(sqlite3* connection) const {
   sqlite3_close_v2(connection);
 }
@@ -97,7 +117,15 @@ SqliteDatabase::~SqliteDatabase() = default;  // statements first
 
 absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::string& path) {
   RETURN_IF_ERROR(MakeFile(path));
-  const int64_t bytes = SizeOf(path), log_bytes = SizeOf(path + "-wal");
+  struct statfs status = {};
+  if (statfs(path.c_str(), &status) != 0) return StoreUnavailable(std::strerror(errno));
+  return Open(path, JournalModeOn(status.f_type));
+}
+
+absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::string& path,
+                                                                     SqliteJournalMode mode) {
+  RETURN_IF_ERROR(MakeFile(path));
+  const int64_t bytes = SizeOf(path), log_bytes = SizeOf(path + "-wal") + SizeOf(path + "-journal");
   sqlite3* connection = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &connection,
                                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
@@ -105,8 +133,9 @@ absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::
   if (code != SQLITE_OK) return database->Error(code);
   sqlite3_extended_result_codes(connection, 1);
   sqlite3_busy_timeout(connection, kBusyMs);
-  RETURN_IF_ERROR(database->Execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL"));
-  // SQLite takes what is missing of the last page for zeros. With a log, the page may be there.
+  RETURN_IF_ERROR(database->SetJournalMode(mode));
+  // SQLite takes what is missing of the last page for zeros. With a log or a rollback journal, the
+  // page may be there.
   ASSIGN_OR_RETURN(const int64_t page_bytes, database->Number("PRAGMA page_size"));
   if (bytes % page_bytes != 0 && log_bytes == 0) return StoreUnavailable("its file is cut off");
   return database;
@@ -121,6 +150,18 @@ const SqlDialect& SqliteDatabase::dialect() const {
 absl::Status SqliteDatabase::Execute(const std::string& sql) {
   const int code = sqlite3_exec(connection_.get(), sql.c_str(), nullptr, nullptr, nullptr);
   return code == SQLITE_OK ? absl::OkStatus() : Error(code);
+}
+
+absl::Status SqliteDatabase::SetJournalMode(SqliteJournalMode mode) {
+  // TRUNCATE, unlike DELETE, syncs the end of a commit, too.
+  const bool log = mode == SqliteJournalMode::kWriteAheadLog;
+  RETURN_IF_ERROR(Execute(
+      absl::StrCat("PRAGMA synchronous = FULL; PRAGMA journal_mode = ", log ? "WAL" : "TRUNCATE")));
+  ASSIGN_OR_RETURN(const int64_t in_force,
+                   Number(absl::StrCat("SELECT journal_mode = '", log ? "wal" : "truncate",
+                                       "' FROM pragma_journal_mode")));
+  if (in_force != 0) return absl::OkStatus();
+  return StoreUnavailable("another process has its file open in the other journal mode");
 }
 
 absl::StatusOr<int64_t> SqliteDatabase::Number(const std::string& sql) {

@@ -13,10 +13,23 @@ struct sqlite3;
 
 namespace cagefit::server {
 
+// What makes a commit whole. With a log it is written once and synced once, but all processes that
+// have the file open share memory, so they have to be on one machine. With a rollback journal it is
+// written twice and synced three times, and machines keep out of each other's way by locks alone.
+enum class SqliteJournalMode { kWriteAheadLog, kRollback };
+
+// kWriteAheadLog on the file systems of one machine: those that are known, by the type that
+// statfs(2) gives.
+SqliteJournalMode JournalModeOn(int64_t file_system);
+
 class SqliteDatabase final : public Database {
  public:
   // Opens or makes the file, which only its owner may read. Commits are durable when they return
-  // (write-ahead log, synchronous FULL).
+  // (synchronous FULL). A file that was opened in the other mode before changes to this one, and is
+  // UNAVAILABLE while another process has it open.
+  static absl::StatusOr<std::unique_ptr<SqliteDatabase>> Open(const std::string& path,
+                                                              SqliteJournalMode mode);
+  // In the mode that suits the file system it is on.
   static absl::StatusOr<std::unique_ptr<SqliteDatabase>> Open(const std::string& path);
   ~SqliteDatabase() override;
   SqliteDatabase(const SqliteDatabase&) = delete;
@@ -36,6 +49,7 @@ class SqliteDatabase final : public Database {
     void operator()(sqlite3* connection) const;
   };
   SqliteDatabase(std::string path, sqlite3* connection);
+  absl::Status SetJournalMode(SqliteJournalMode mode);
   absl::Status Error(int code) const;  // of the last call on this connection
 
   const std::string path_;

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/magic.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -22,15 +24,23 @@ using testing::ReasonOf;
 using testing::RecordOf;
 using testing::RejectedAnswer;
 
-class SqliteJournalTest : public ::testing::Test {
+class SqliteJournalTest : public ::testing::TestWithParam<SqliteJournalMode> {
  protected:
   // Waits as long as the journal does before it tries again.
   static absl::Status ProbeAgain(SqlJournal* journal) {
     absl::SleepFor(SqlJournal::kRetryInterval);
     return journal->Probe();
   }
+  std::unique_ptr<SqlJournal> Open() const { return file_.Open(GetParam()); }
   testing::StoreFile file_;
 };
+
+INSTANTIATE_TEST_SUITE_P(Modes, SqliteJournalTest,
+                         ::testing::Values(SqliteJournalMode::kWriteAheadLog,
+                                           SqliteJournalMode::kRollback),
+                         [](const auto& mode) {
+                           return mode.param == SqliteJournalMode::kRollback ? "Rollback" : "Log";
+                         });
 
 // Files of this process cannot grow beyond what they have, as on a full disk.
 class FullDisk {
@@ -47,24 +57,24 @@ class FullDisk {
   rlimit old_ = {};
 };
 
-TEST_F(SqliteJournalTest, SessionsSurviveTheJournal) {
+TEST_P(SqliteJournalTest, SessionsSurviveTheJournal) {
   uint64_t epoch = 0;
   {
-    const auto journal = file_.Open();
+    const auto journal = Open();
     ASSERT_TRUE(journal->Create(RecordOf("one")).ok());
     epoch = journal->RaiseEpoch("one")->epoch;
     ASSERT_TRUE(journal->Append("one", epoch, RejectedAnswer(0), nullptr).ok());
     EXPECT_EQ(journal->Begin("one", epoch).value(), 1);
   }
-  const auto journal = file_.Open();
+  const auto journal = Open();
   EXPECT_EQ(journal->Load("one")->head.next_sequence_number, 1u);
   EXPECT_EQ(journal->Begin("one", epoch).value(), 2);
   EXPECT_EQ(journal->Read("one", 0).value()->error, RejectedAnswer(0)->error);
   EXPECT_EQ(journal->RaiseEpoch("one")->epoch, epoch + 1);
 }
 
-TEST_F(SqliteJournalTest, TwoProcessesShareAFile) {
-  const auto here = file_.Open(), there = file_.Open();
+TEST_P(SqliteJournalTest, TwoProcessesShareAFile) {
+  const auto here = Open(), there = Open();
   ASSERT_TRUE(here->Create(RecordOf("one")).ok());
   const uint64_t older = here->RaiseEpoch("one")->epoch;
   const uint64_t newer = there->RaiseEpoch("one")->epoch;
@@ -73,8 +83,8 @@ TEST_F(SqliteJournalTest, TwoProcessesShareAFile) {
   EXPECT_EQ(here->Load("one")->head.next_sequence_number, 1u);
 }
 
-TEST_F(SqliteJournalTest, AnAnswerIsNeverStoredTwice) {
-  const auto journal = file_.Open();
+TEST_P(SqliteJournalTest, AnAnswerIsNeverStoredTwice) {
+  const auto journal = Open();
   ASSERT_TRUE(journal->Create(RecordOf("one")).ok());
   const uint64_t epoch = journal->RaiseEpoch("one")->epoch;
   ASSERT_TRUE(journal->Append("one", epoch, RejectedAnswer(0), nullptr).ok());
@@ -84,8 +94,8 @@ TEST_F(SqliteJournalTest, AnAnswerIsNeverStoredTwice) {
   EXPECT_EQ(journal->Outlines("one")->size(), 1u);
 }
 
-TEST_F(SqliteJournalTest, OnlyItsOwnerMayReadTheFile) {
-  file_.Open();
+TEST_P(SqliteJournalTest, OnlyItsOwnerMayReadTheFile) {
+  Open();
   for (const auto& entry : std::filesystem::directory_iterator(file_.folder())) {
     struct stat status = {};
     ASSERT_EQ(stat(entry.path().c_str(), &status), 0);
@@ -93,8 +103,8 @@ TEST_F(SqliteJournalTest, OnlyItsOwnerMayReadTheFile) {
   }
 }
 
-TEST_F(SqliteJournalTest, AFullDiskIsUnavailableChangesNothingAndPasses) {
-  const auto journal = file_.Open();
+TEST_P(SqliteJournalTest, AFullDiskIsUnavailableChangesNothingAndPasses) {
+  const auto journal = Open();
   ASSERT_TRUE(journal->Create(RecordOf("one")).ok());
   const uint64_t epoch = journal->RaiseEpoch("one")->epoch;
   {
@@ -109,13 +119,13 @@ TEST_F(SqliteJournalTest, AFullDiskIsUnavailableChangesNothingAndPasses) {
   EXPECT_TRUE(journal->Append("one", epoch, RejectedAnswer(0), nullptr).ok());
 }
 
-TEST_F(SqliteJournalTest, AFileThatIsTakenAwayIsNotWrittenToUnseen) {
-  const auto journal = file_.Open();
+TEST_P(SqliteJournalTest, AFileThatIsTakenAwayIsNotWrittenToUnseen) {
+  const auto journal = Open();
   ASSERT_TRUE(journal->Create(RecordOf("one")).ok());
   const std::string hidden = file_.folder() + "/hidden";
   std::filesystem::create_directory(hidden);
   const auto move = [](const std::string& from, const std::string& to) {
-    for (const char* suffix : {"", "-wal", "-shm"}) {
+    for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
       std::error_code missing;
       std::filesystem::rename(from + suffix, to + suffix, missing);
     }
@@ -129,14 +139,14 @@ TEST_F(SqliteJournalTest, AFileThatIsTakenAwayIsNotWrittenToUnseen) {
   EXPECT_EQ(journal->RaiseEpoch("one")->epoch, 1u);
 }
 
-TEST_F(SqliteJournalTest, AFileThatIsNoDatabaseIsUnavailableUntilItIsBack) {
+TEST_P(SqliteJournalTest, AFileThatIsNoDatabaseIsUnavailableUntilItIsBack) {
   {
-    const auto journal = file_.Open();
+    const auto journal = Open();
     ASSERT_TRUE(journal->Create(RecordOf("one")).ok());
   }
   std::filesystem::rename(file_.path(), file_.path() + ".good");
   std::ofstream(file_.path()) << std::string(5000, 'x');
-  const auto journal = file_.Open();
+  const auto journal = Open();
   const absl::Status status = journal->Load("one").status();
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
   std::filesystem::rename(file_.path() + ".good", file_.path());
@@ -144,9 +154,9 @@ TEST_F(SqliteJournalTest, AFileThatIsNoDatabaseIsUnavailableUntilItIsBack) {
   EXPECT_TRUE(journal->Load("one").ok());
 }
 
-TEST_F(SqliteJournalTest, ADamagedRecordIsDataLossOfItsSessionAlone) {
+TEST_P(SqliteJournalTest, ADamagedRecordIsDataLossOfItsSessionAlone) {
   {
-    const auto journal = file_.Open();
+    const auto journal = Open();
     for (const char* id : {"one", "two"}) {
       ASSERT_TRUE(journal->Create(RecordOf(id)).ok());
       ASSERT_TRUE(
@@ -154,23 +164,23 @@ TEST_F(SqliteJournalTest, ADamagedRecordIsDataLossOfItsSessionAlone) {
     }
   }
   {
-    const auto database = SqliteDatabase::Open(file_.path()).value();
+    const auto database = SqliteDatabase::Open(file_.path(), GetParam()).value();
     ASSERT_TRUE(database
                     ->Execute("UPDATE frame SET record = x'0a0b' WHERE session = 1;"
                               "UPDATE session SET template = x'0a0b' WHERE id = 'one'")
                     .ok());
   }
-  const auto journal = file_.Open();
+  const auto journal = Open();
   EXPECT_TRUE(absl::IsDataLoss(journal->Read("one", 0).status()));
   EXPECT_TRUE(absl::IsDataLoss(journal->LoadTemplate("one").status()));
   EXPECT_TRUE(journal->Read("two", 0).ok());
   EXPECT_EQ(journal->Probe(), absl::OkStatus());
 }
 
-TEST_F(SqliteJournalTest, AFileCutAnywhereNeverGivesOtherAnswers) {
+TEST_P(SqliteJournalTest, AFileCutAnywhereNeverGivesOtherAnswers) {
   constexpr int kSessions = 3, kAnswers = 20;
   {
-    const auto journal = file_.Open();
+    const auto journal = Open();
     for (int s = 0; s < kSessions; ++s) {
       const std::string id = std::to_string(s);
       ASSERT_TRUE(journal->Create(RecordOf(id)).ok());
@@ -192,16 +202,54 @@ TEST_F(SqliteJournalTest, AFileCutAnywhereNeverGivesOtherAnswers) {
     std::filesystem::copy_file(whole, file_.path(),
                                std::filesystem::copy_options::overwrite_existing);
     std::filesystem::resize_file(file_.path(), bytes);
-    for (const char* suffix : {"-wal", "-shm"}) std::filesystem::remove(file_.path() + suffix);
-    const auto journal = file_.Open();
+    for (const char* suffix : {"-wal", "-shm", "-journal"})
+      std::filesystem::remove(file_.path() + suffix);
+    const auto journal = Open();
     EXPECT_TRUE(absl::IsUnavailable(journal->Probe())) << bytes << " of " << size;
     std::filesystem::rename(file_.path(), file_.path() + ".cut");
     std::filesystem::copy_file(whole, file_.path());
-    for (const char* suffix : {"-wal", "-shm"}) std::filesystem::remove(file_.path() + suffix);
+    for (const char* suffix : {"-wal", "-shm", "-journal"})
+      std::filesystem::remove(file_.path() + suffix);
     EXPECT_EQ(ProbeAgain(journal.get()), absl::OkStatus());
     EXPECT_EQ(journal->Load("1")->head.next_sequence_number, uint64_t{kAnswers});
     EXPECT_NE(journal->Read("1", kAnswers - 1).value(), nullptr);
   }
+}
+
+TEST(SqliteJournalModeTest, ALogIsKeptOnlyWhereMachinesDoNotShareFiles) {
+  for (const int64_t local : {EXT4_SUPER_MAGIC, XFS_SUPER_MAGIC, TMPFS_MAGIC}) {
+    EXPECT_EQ(JournalModeOn(local), SqliteJournalMode::kWriteAheadLog) << local;
+  }
+  for (const int64_t shared : std::vector<int64_t>{NFS_SUPER_MAGIC, SMB2_SUPER_MAGIC,
+                                                   FUSE_SUPER_MAGIC, CEPH_SUPER_MAGIC}) {
+    EXPECT_EQ(JournalModeOn(shared), SqliteJournalMode::kRollback) << shared;
+  }
+}
+
+// The log lies beside the file while it is open, as the sign of its mode.
+TEST(SqliteJournalModeTest, FollowsTheFileSystem) {
+  const testing::StoreFile file;
+  struct statfs status = {};
+  ASSERT_EQ(statfs(file.folder().c_str(), &status), 0);
+  const auto database = SqliteDatabase::Open(file.path());
+  ASSERT_TRUE(database.ok()) << database.status();
+  EXPECT_EQ(std::filesystem::exists(file.path() + "-wal"),
+            JournalModeOn(status.f_type) == SqliteJournalMode::kWriteAheadLog);
+}
+
+TEST(SqliteJournalModeTest, AFileChangesItsModeUnlessItIsOpenElsewhere) {
+  const testing::StoreFile file;
+  ASSERT_TRUE(file.Open()->Create(RecordOf("one")).ok());
+  {
+    const auto log = SqliteDatabase::Open(file.path(), SqliteJournalMode::kWriteAheadLog);
+    ASSERT_TRUE(log.ok()) << log.status();
+    const absl::Status refused =
+        SqliteDatabase::Open(file.path(), SqliteJournalMode::kRollback).status();
+    EXPECT_TRUE(absl::IsUnavailable(refused)) << refused;
+  }
+  EXPECT_TRUE(file.Open(SqliteJournalMode::kRollback)->Load("one").ok());
+  EXPECT_FALSE(std::filesystem::exists(file.path() + "-wal"));
+  EXPECT_TRUE(file.Open()->Load("one").ok());
 }
 
 }  // namespace

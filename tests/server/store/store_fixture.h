@@ -35,8 +35,10 @@ inline std::shared_ptr<StoredFrame> RejectedAnswer(uint64_t number) {
   return frame;
 }
 
-inline std::unique_ptr<SqlJournal> OpenFile(const std::string& path, const RecordCodec* codec) {
-  return SqlJournal::Open([path] { return SqliteDatabase::Open(path); }, 1, codec).value();
+inline std::unique_ptr<SqlJournal> OpenFile(
+    const std::string& path, const RecordCodec* codec,
+    SqliteJournalMode mode = SqliteJournalMode::kWriteAheadLog) {
+  return SqlJournal::Open([=] { return SqliteDatabase::Open(path, mode); }, 1, codec).value();
 }
 
 inline std::unique_ptr<SqlJournal> OpenPostgres(const std::string& url, const RecordCodec* codec) {
@@ -48,7 +50,10 @@ class StoreFile {
  public:
   std::string folder() const { return folder_.path(); }
   std::string path() const { return folder_.path() + "/sessions.db"; }
-  std::unique_ptr<SqlJournal> Open() const { return OpenFile(path(), &codec_); }
+  std::unique_ptr<SqlJournal> Open(
+      SqliteJournalMode mode = SqliteJournalMode::kWriteAheadLog) const {
+    return OpenFile(path(), &codec_, mode);
+  }
 
  private:
   PrivateFolder folder_ = PrivateFolder::Create().value();
