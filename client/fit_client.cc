@@ -200,23 +200,34 @@ absl::StatusOr<std::unique_ptr<FrameStream>> FitClient::OpenStream(const std::st
   return stream;
 }
 
-absl::Status FitClient::GetReplies(const v1::GetRepliesRequest& request,
-                                   const std::function<absl::Status(FittedFrame)>& take) {
-  grpc::ClientContext context;
-  AddSessionHeader(request.session_id(), &context);
-  const auto reader = connection_->stub->GetReplies(&context, request);
-  DeltaDecoder decoder;
-  absl::Status status;
-  v1::FrameReply reply;
-  while (status.ok() && reader->Read(&reply)) {
-    auto frame = ApplyReply(std::move(reply), &decoder);
-    status = frame.ok() ? take(*std::move(frame)) : frame.status();
+absl::Status FitClient::GetReplies(v1::GetRepliesRequest request,
+                                   const std::function<absl::Status(FittedFrame)>& take,
+                                   const RetryOptions& retry) {
+  RetryPolicy policy(retry);
+  DeltaDecoder decoder;  // begins anew with the first fitted frame of each call, which is a key
+  while (true) {
+    grpc::ClientContext context;
+    AddSessionHeader(request.session_id(), &context);
+    const auto reader = connection_->stub->GetReplies(&context, request);
+    absl::Status refused;
+    v1::FrameReply reply;
+    while (refused.ok() && reader->Read(&reply)) {
+      auto frame = ApplyReply(std::move(reply), &decoder);
+      refused = frame.ok() ? take(*std::move(frame)) : frame.status();
+      policy.Progress();
+      request.set_first(request.first() + 1);
+      if (request.has_count()) request.set_count(request.count() - 1);
+    }
+    if (!refused.ok()) context.TryCancel();
+    while (reader->Read(&reply)) {  // gRPC wants all of it to be read
+    }
+    const absl::Status ended = FromGrpc(reader->Finish(), context);
+    if (!refused.ok() || ended.ok()) return refused;
+    if (request.has_count() && request.count() == 0) return absl::OkStatus();
+    const std::optional<absl::Duration> pause = policy.PauseAfter(ended);
+    if (!pause.has_value()) return ended;
+    absl::SleepFor(*pause);
   }
-  if (!status.ok()) context.TryCancel();
-  while (reader->Read(&reply)) {  // gRPC wants all of it to be read
-  }
-  const absl::Status ended = FromGrpc(reader->Finish(), context);
-  return status.ok() ? ended : status;
 }
 
 absl::StatusOr<bool> FitClient::IsServing(const std::string& service, absl::Duration timeout) {

@@ -21,6 +21,7 @@
 #include "absl/time/time.h"
 #include "cagefit/v1/fitting.pb.h"
 #include "client/credentials.h"
+#include "client/retry_policy.h"
 #include "core/base/types.h"
 #include "core/mesh/control_mesh.h"
 
@@ -111,10 +112,12 @@ class FitClient {
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenStream(
       const std::string& session_id, v1::FrameMode mode = v1::FRAME_MODE_EVERY);
 
-  // Stored replies in order, each as it came by the stream but marked as repeated. An error that
-  // `take` returns ends the call and is returned.
-  absl::Status GetReplies(const v1::GetRepliesRequest& request,
-                          const std::function<absl::Status(FittedFrame)>& take);
+  // Stored replies in order, each as it came by the stream but marked as repeated. Where the call
+  // breaks, it goes on behind the last one, as `retry` says. An error that `take` returns ends it
+  // and is returned.
+  absl::Status GetReplies(v1::GetRepliesRequest request,
+                          const std::function<absl::Status(FittedFrame)>& take,
+                          const RetryOptions& retry = {});
 
   // Whether the server says that it serves: "" for its process, "cagefit.v1.Fitting" for being
   // ready. NOT_FOUND for a service that it does not know.

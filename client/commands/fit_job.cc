@@ -179,13 +179,16 @@ absl::Status FitJob::TakeEarlier(uint64_t count) {
   v1::GetRepliesRequest request;
   request.set_session_id(report_.session.session_id());
   request.set_count(count);
-  return client_->GetReplies(request, [this](FittedFrame frame) -> absl::Status {
+  const auto take = [this](FittedFrame frame) -> absl::Status {
     const size_t visit = frame.reply.sequence_number();
     const std::optional<std::string> file = FindFile(FrameOfVisit(visit));
     if (!file.has_value() || interrupt_->seen()) return absl::CancelledError("interrupted");
     if (!frame.status.ok()) ReadVisit(visit, *file);  // for what is wrong with the file itself
     return Take(std::move(frame)).status();
-  });
+  };
+  RetryOptions retry;
+  retry.give_up_after = absl::Seconds(arguments_.give_up);
+  return client_->GetReplies(request, take, retry);
 }
 
 void FitJob::SendAll(uint64_t begin) {

@@ -106,6 +106,21 @@ class FakeFitting : public v1::Fitting::Service {
     return grpc::Status::OK;
   }
 
+  grpc::Status GetReplies(grpc::ServerContext* context, const v1::GetRepliesRequest* request,
+                          grpc::ServerWriter<v1::FrameReply>* writer) override {
+    if (auto status = At(Place::kBeforeOpened, context); !status.ok()) return status;
+    const uint64_t most = request->has_count() ? request->count() : answered();
+    bool key = true;
+    for (uint64_t k = request->first(); k < answered() && k - request->first() < most; ++k) {
+      v1::FitFramesReply reply;
+      if (auto status = Answer(k, BytesOf(k), &key, &reply); !status.ok()) return status;
+      if (auto status = At(Place::kBeforeReply, context); !status.ok()) return status;
+      writer->Write(reply.frame());
+      if (auto status = At(Place::kAfterReply, context); !status.ok()) return status;
+    }
+    return grpc::Status::OK;
+  }
+
  private:
   struct Stored {
     std::string bytes;
@@ -144,6 +159,11 @@ class FakeFitting : public v1::Fitting::Service {
     reply->mutable_delta()->mutable_packed()->Add(delta.values.data(),
                                                   delta.values.data() + delta.values.size());
     return grpc::Status::OK;
+  }
+
+  std::string BytesOf(uint64_t number) const {
+    std::lock_guard<std::mutex> lock(mutex_);
+    return answers_[number].bytes;
   }
 
   GridPoints StateBefore(uint64_t number) const {
