@@ -111,9 +111,10 @@ absl::StatusOr<ChildResult> RunChild(const std::vector<std::string>& arguments,
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   int pipe_fds[2];
-  if (pipe2(pipe_fds, O_CLOEXEC | O_NONBLOCK) != 0) {
+  if (pipe2(pipe_fds, O_CLOEXEC) != 0) {
     return absl::InternalError(absl::StrCat("pipe: ", strerror(errno)));
   }
+  fcntl(pipe_fds[0], F_SETFL, O_NONBLOCK);  // a child that writes much waits until it is read
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child == 0) ExecChild(argv.data(), pipe_fds[1], limits, parent);

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "server/session/error_detail.h"
 #include "tests/server/session/life_line.h"
 
@@ -58,6 +61,18 @@ TEST(ChildProcessTest, KeepsTheEndOfStderr) {
   EXPECT_THAT(result->last_stderr, EndsWith("last\n"));
   EXPECT_THAT(result->last_stderr, Not(HasSubstr("first")));
   EXPECT_LE(result->last_stderr.size(), 2000u);
+}
+
+// The child fills the pipe before it is read for the first time.
+TEST(ChildProcessTest, AWriterWaitsForAReaderThatIsLate) {
+  bool is_late = true;
+  const auto result = RunScript("yes | head -c 1000000 >&2 && echo last >&2", {}, [&is_late] {
+    if (std::exchange(is_late, false)) absl::SleepFor(absl::Milliseconds(200));
+    return false;
+  });
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->exit_code, 0);
+  EXPECT_THAT(result->last_stderr, EndsWith("last\n"));
 }
 
 TEST(ChildProcessTest, HasNoInputAndNoFileOfItsParent) {
