@@ -72,7 +72,7 @@ struct MethodCase {
   std::function<std::string(const std::string& session_id)> request;
   bool names_a_session = true;
   grpc::StatusCode code = grpc::StatusCode::OK;
-  std::string reason;
+  std::string reason = {};
 };
 
 // A new method without a line here fails the test.

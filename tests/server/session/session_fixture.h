@@ -66,6 +66,31 @@ inline Frame MovingFrame(uint64_t number) {
                                   cagefit::testing::MovingCloud(static_cast<int>(number))));
 }
 
+inline Frame BadFrame(uint64_t number) { return DecodedFrame(number, "no Draco"); }
+
+// Numbered `number`, of two spheres far apart: no sphere comes near both.
+inline Frame FarFrame(uint64_t number) {
+  PointCloud cloud = cagefit::testing::SphereCloud(250, {500, 0, 0});
+  const PointCloud other = cagefit::testing::SphereCloud(250, {0, 500, 0});
+  cloud.points.conservativeResize(3, 500);
+  cloud.normals.conservativeResize(3, 500);
+  cloud.points.rightCols(250) = other.points;
+  cloud.normals.rightCols(250) = other.normals;
+  return DecodedFrame(number, cagefit::testing::FrameBytes(cloud));
+}
+
+// A cage of 12 vertices, and frames too dense for it to come near.
+inline SessionConfig SmallCageConfig() {
+  SessionConfig config;
+  config.control_mesh = cagefit::testing::FrameCage(0);
+  return config;
+}
+
+inline Frame DenseFrame(uint64_t number) {
+  return DecodedFrame(number, cagefit::testing::FrameBytes(
+                                  cagefit::testing::MovingCloud(static_cast<int>(number), 5000)));
+}
+
 // A ledger with a journal of its own, in memory.
 inline std::shared_ptr<SessionLedger> NewLedger(SessionConfig config,
                                                 const SessionLimits& limits = SessionLimits()) {
