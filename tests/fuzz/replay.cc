@@ -15,8 +15,9 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/mutation.h"
+#include "tests/support/sanitizer.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef CAGEFIT_ADDRESS_SANITIZER
 extern "C" void __sanitizer_set_death_callback(void (*callback)());
 #endif
 
@@ -57,7 +58,7 @@ void WriteSeed() {
 
 // The sanitizer handles signals itself, and better.
 void ReportCrashes() {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef CAGEFIT_ADDRESS_SANITIZER
   __sanitizer_set_death_callback(WriteSeed);
 #else
   struct sigaction action = {};

@@ -16,15 +16,11 @@
 #include "tests/load/load_client.h"
 #include "tests/load/load_server.h"
 #include "tests/support/frames.h"
+#include "tests/support/sanitizer.h"
 
 namespace cagefit::testing {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double kCostFactor = 20;
-#else
-constexpr double kCostFactor = 1;
-#endif
 constexpr double kMostBytes = kCostFactor * 64e6, kMostCpuMs = kCostFactor * 250;
 constexpr size_t kChunkBytes = 1 << 20;
 

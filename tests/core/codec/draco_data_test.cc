@@ -10,6 +10,7 @@
 #include "core/codec/draco_codec.h"
 #include "tests/core/codec/measured_child.h"
 #include "tests/support/data.h"
+#include "tests/support/sanitizer.h"
 
 namespace cagefit {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "tests/core/codec/draco_samples.h"
 #include "tests/core/codec/measured_child.h"
+#include "tests/support/sanitizer.h"
 
 namespace cagefit {
 namespace {

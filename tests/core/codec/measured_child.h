@@ -16,13 +16,6 @@ struct ChildReport {
 // `body` returns 0 to 255.
 ChildReport RunInChild(const std::function<int()>& body);
 
-// Under a sanitizer, memory is several times what it is without.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr double kCostFactor = 20;
-#else
-inline constexpr double kCostFactor = 1;
-#endif
-
 }  // namespace cagefit::testing
 
 #endif  // CAGEFIT_TESTS_CORE_CODEC_MEASURED_CHILD_H_

@@ -6,22 +6,17 @@
 #include <memory>
 
 #include "tests/server/session/session_fixture.h"
+#include "tests/support/sanitizer.h"
 
 namespace cagefit::server {
 namespace {
 
 using cagefit::testing::FrameBytes;
 using cagefit::testing::FrameCage;
+using cagefit::testing::kIsSanitized;
 using cagefit::testing::MovingCloud;
 using testing::DecodedFrame;
 using testing::OpenSession;
-
-// Under a sanitizer the heap is not that of the C library.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kHasHeap = false;
-#else
-constexpr bool kHasHeap = true;
-#endif
 
 int64_t HeapBytes() {
   const struct mallinfo2 info = mallinfo2();
@@ -51,7 +46,7 @@ int64_t MeasuredBytes(const SessionConfig& config, int64_t points) {
 class ModelBytesTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!kHasHeap) GTEST_SKIP() << "the heap cannot be measured";
+    if (kIsSanitized) GTEST_SKIP() << "the heap is not that of the C library";
     MeasuredBytes(ConfigOf(1), 500);  // what is allocated once for all
   }
   static void ExpectBetweenOnceAndThrice(const SessionConfig& config, int64_t points) {
@@ -79,7 +74,7 @@ TEST_F(ModelBytesTest, FollowsImages) {
 }
 
 TEST(IdleSessionBytesTest, AreWhatASessionKeepsWithoutItsModel) {
-  if (!kHasHeap) GTEST_SKIP() << "the heap cannot be measured";
+  if (kIsSanitized) GTEST_SKIP() << "the heap is not that of the C library";
   const std::string bytes = MovingBytes(0, 10'000);
   MeasuredBytes(ConfigOf(1), 500);
   const int64_t before = HeapBytes();
