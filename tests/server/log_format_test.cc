@@ -108,7 +108,8 @@ TEST(LogFormatTest, AFieldCannotTakeTheTimesOrTheEventsPlace) {
 
 TEST(LogFormatTest, AnyBytesGiveOneValidLine) {
   std::mt19937 random(7);
-  const std::string alphabet("e a=\"\\01\n\xff {}:,\x00nx", 21);
+  static constexpr char kLetters[] = "e a=\"\\01\n\xff {}:,\0nx";
+  const std::string alphabet(kLetters, sizeof(kLetters) - 1);
   for (int k = 0; k < 20'000; ++k) {
     std::string event = "e a=";
     for (size_t size = random() % 12; size > 0; --size) {

@@ -133,7 +133,10 @@ TEST_F(QuotaTest, FitsOverTheShareWaitForThePrincipalsOwn) {
   for (const auto& frame : testing::FitMovingFrames(others.get(), 0, 2)) {
     EXPECT_EQ(frame.status, absl::OkStatus());
   }
-  for (const v1::Session& session : *north_->ListSessions()) {
+  const auto sessions = north_->ListSessions();
+  ASSERT_TRUE(sessions.ok()) << sessions.status();
+  EXPECT_EQ(sessions->size(), 2u);
+  for (const v1::Session& session : *sessions) {
     EXPECT_EQ(session.fitted_frames(), 0u);
   }
 
