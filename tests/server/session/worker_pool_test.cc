@@ -313,7 +313,7 @@ TEST(WorkerPoolTest, ManyKeysThatGiveWayAllComeToTheirEnd) {
     for (int k = 0; k < 100; ++k) {
       ASSERT_TRUE(pool.Run(
                           absl::StrCat(k % 20),
-                          [&] {
+                          [&ran, &pool, k] {
                             const double end = SteadyMilliseconds() + 2 + k % 50;
                             while (SteadyMilliseconds() < end) pool.GiveWay();
                             ++ran;
