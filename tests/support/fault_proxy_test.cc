@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "tests/support/sockets.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::testing {
 namespace {
@@ -128,7 +129,7 @@ TEST(FaultProxyTest, TheEndOfOneSideIsPassedOnAndTheOtherSideStillAnswers) {
 }
 
 TEST(FaultProxyTest, WorksInFrontOfAUnixSocket) {
-  const std::string path = ::testing::TempDir() + "fault_proxy_test." + std::to_string(getpid());
+  const std::string path = cagefit::testing::TempFolder() + "fault_proxy";
   Ends ends(FaultPlan(), {ListenOnPath(path), "unix:" + path});
   SendAll(ends.client(), "hello");
   EXPECT_EQ(ReceiveUpTo(ends.server(), 5), "hello");

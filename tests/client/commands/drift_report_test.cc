@@ -8,6 +8,7 @@
 #include "client/io/geometry_file.h"
 #include "core/subdiv/limit.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -41,7 +42,7 @@ std::string Table(const FitReport& report) {
 }
 
 TEST(DriftReportTest, AgainstTheTrueMotionEveryFrameAndTheTotalAreTold) {
-  const std::string folder = ::testing::TempDir() + "/drift_report_truth";
+  const std::string folder = cagefit::testing::TempFolder() + "drift_report_truth";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   for (int k = 0; k < 3; ++k) {  // the true motion is half as fast

@@ -6,13 +6,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temp_folder.h"
+
 namespace cagefit::client {
 namespace {
 
 using ::testing::HasSubstr;
 
 TEST(FitSessionTest, FindsTheLastMeshBeforeAFrame) {
-  const std::string out = ::testing::TempDir() + "/fit_session_out";
+  const std::string out = cagefit::testing::TempFolder() + "fit_session_out";
   std::filesystem::remove_all(out);
   EXPECT_EQ(EarlierMesh(out, 10), "");
   std::filesystem::create_directories(out + "/frames");

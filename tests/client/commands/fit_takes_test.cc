@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temp_folder.h"
+
 namespace cagefit::client {
 namespace {
 
@@ -30,7 +32,7 @@ class ListTakesTest : public ::testing::Test {
     return names;
   }
 
-  const std::string folder_ = ::testing::TempDir() + "/list_takes/";
+  const std::string folder_ = cagefit::testing::TempFolder() + "list_takes/";
   FitArguments arguments_;
 };
 

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temp_folder.h"
+
 namespace cagefit::client {
 namespace {
 
@@ -12,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::string Folder(const std::string& name, const std::vector<std::string>& files) {
-  const std::string folder = ::testing::TempDir() + "/" + name;
+  const std::string folder = cagefit::testing::TempFolder() + name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder + "/inner");
   for (const std::string& file : files) std::ofstream(folder + "/" + file) << "x";

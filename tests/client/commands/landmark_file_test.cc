@@ -4,11 +4,13 @@
 
 #include <fstream>
 
+#include "tests/support/temp_folder.h"
+
 namespace cagefit::client {
 namespace {
 
 std::string File(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "/landmarks.txt";
+  const std::string path = cagefit::testing::TempFolder() + "landmarks.txt";
   std::ofstream(path) << text;
   return path;
 }

@@ -5,13 +5,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temp_folder.h"
+
 namespace cagefit::client {
 namespace {
 
 using ::testing::HasSubstr;
 
 std::string Folder(const std::string& name, const std::vector<std::string>& files) {
-  const std::string folder = ::testing::TempDir() + "/" + name;
+  const std::string folder = cagefit::testing::TempFolder() + name;
   std::filesystem::remove_all(folder);
   for (const std::string& file : files) {
     const std::filesystem::path path = folder + "/" + file;

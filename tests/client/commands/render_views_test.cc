@@ -4,6 +4,7 @@
 
 #include "client/io/camera_file.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -13,7 +14,7 @@ using ::testing::HasSubstr;
 Points3d Ball() { return cagefit::testing::Icosphere(2, 3).vertices; }
 
 std::string CamerasNamed(const std::string& first, const std::string& second) {
-  const std::string path = ::testing::TempDir() + "render_views.json";
+  const std::string path = cagefit::testing::TempFolder() + "render_views.json";
   Camera camera = LookAt({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1, 640);
   camera.height = 480;
   camera.name = first;

@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temp_folder.h"
+
 namespace cagefit::client {
 namespace {
 
 std::string Folder() {
-  const std::string folder = ::testing::TempDir() + "/take_state";
+  const std::string folder = cagefit::testing::TempFolder() + "take_state";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

@@ -6,6 +6,7 @@
 
 #include "client/io/geometry_file.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -15,7 +16,7 @@ using ::testing::HasSubstr;
 
 // A folder of its own with a file for each mesh.
 std::string Write(const std::string& name, const std::vector<TriangleMesh>& meshes) {
-  const std::string folder = ::testing::TempDir() + "/true_motion_" + name;
+  const std::string folder = cagefit::testing::TempFolder() + "true_motion_" + name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   for (size_t k = 0; k < meshes.size(); ++k) {

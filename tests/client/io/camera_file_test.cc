@@ -5,13 +5,14 @@
 #include "client/io/file_bytes.h"
 #include "tests/client/io/camera_samples.h"
 #include "tests/client/io/expect_error.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
 
 // An empty folder of that name.
 std::string TempFolder(const std::string& name) {
-  const std::string path = ::testing::TempDir() + name;
+  const std::string path = cagefit::testing::TempFolder() + name;
   std::filesystem::remove_all(path);
   std::filesystem::create_directories(path);
   return path;

@@ -4,13 +4,15 @@
 
 #include <filesystem>
 
+#include "tests/support/temp_folder.h"
+
 namespace cagefit::client {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string TempFile(const std::string& name) { return ::testing::TempDir() + name; }
+std::string TempFile(const std::string& name) { return cagefit::testing::TempFolder() + name; }
 
 TEST(FileBytesTest, WhatWasWrittenIsRead) {
   const std::string path = TempFile("file_bytes.bin");
@@ -23,7 +25,7 @@ TEST(FileBytesTest, ErrorsNameThePath) {
   const auto missing = ReadFileBytes("/nowhere/x.ply", 10);
   EXPECT_EQ(missing.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(missing.status().message()), StartsWith("/nowhere/x.ply: "));
-  EXPECT_EQ(ReadFileBytes(::testing::TempDir(), 10).status().code(),
+  EXPECT_EQ(ReadFileBytes(cagefit::testing::TempFolder(), 10).status().code(),
             absl::StatusCode::kInvalidArgument);
   const absl::Status written = WriteFileBytes("/nowhere/x.ply", "x");
   EXPECT_THAT(std::string(written.message()), StartsWith("/nowhere/x.ply: cannot be written"));

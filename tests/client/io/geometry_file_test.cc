@@ -5,11 +5,12 @@
 #include "client/io/file_bytes.h"
 #include "tests/client/io/expect_error.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
 
-std::string TempFile(const std::string& name) { return ::testing::TempDir() + name; }
+std::string TempFile(const std::string& name) { return cagefit::testing::TempFolder() + name; }
 
 TEST(GeometryFileTest, NamesTheFileInEveryError) {
   EXPECT_EQ(ReadGeometry("gone.ply").status().code(), absl::StatusCode::kNotFound);

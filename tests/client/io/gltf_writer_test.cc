@@ -10,6 +10,7 @@
 
 #include "core/subdiv/shaded_mesh.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -37,7 +38,7 @@ class GltfWriterTest : public ::testing::Test {
 
   const aiScene* Write(const MeshSequence& sequence, int levels,
                        const SceneSettings& settings = {}) {
-    const std::string path = ::testing::TempDir() + "sequence_" + std::to_string(getpid()) + ".glb";
+    const std::string path = cagefit::testing::TempFolder() + "sequence.glb";
     EXPECT_EQ(WriteGltf(path, sequence, levels, settings), absl::OkStatus());
     const aiScene* scene = importer_.ReadFile(path, 0);
     EXPECT_NE(scene, nullptr) << importer_.GetErrorString();
@@ -121,7 +122,7 @@ TEST_F(GltfWriterTest, OneFrameIsAStillMesh) {
 }
 
 TEST_F(GltfWriterTest, WhatTheFormatCannotHoldIsRefused) {
-  const std::string path = ::testing::TempDir() + "refused.glb";
+  const std::string path = cagefit::testing::TempFolder() + "refused.glb";
   EXPECT_TRUE(absl::IsInvalidArgument(WriteGltf(path, {&*cage_, {}}, 1, {})));
   MeshSequence many = {&*cage_, {}};
   for (int k = 0; k < 40'000; ++k) many.frames.push_back({k, &motion_[0]});

@@ -5,6 +5,7 @@
 
 #include "client/io/file_bytes.h"
 #include "tests/client/io/expect_error.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::StartsWith;
 
-std::string TempFile(const std::string& name) { return ::testing::TempDir() + name; }
+std::string TempFile(const std::string& name) { return cagefit::testing::TempFolder() + name; }
 
 TEST(ImageFileTest, ReadsTheMaskThatItWrote) {
   const std::string path = TempFile("image_file.png");

@@ -6,11 +6,12 @@
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
 
-std::string TempFile(const std::string& name) { return ::testing::TempDir() + name; }
+std::string TempFile(const std::string& name) { return cagefit::testing::TempFolder() + name; }
 
 TriangleMesh Irregular() {
   TriangleMesh mesh = testing::MixedValences();

@@ -7,6 +7,7 @@
 #include "client/io/file_bytes.h"
 #include "client/io/geometry_file.h"
 #include "tests/support/data.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -165,7 +166,8 @@ TEST(RealFilesTest, DamagedCopiesNeverBreakTheReaders) {
   const auto next = [&random] { return random = 1664525 * random + 1013904223; };
   for (const Loads& source : kFormats) {
     const std::string bytes = *ReadFileBytes(testing::DataDir() + "/" + source.file, 1 << 24);
-    const std::string path = ::testing::TempDir() + "damaged" + FileExtension(source.file);
+    const std::string path =
+        cagefit::testing::TempFolder() + "damaged" + FileExtension(source.file);
     for (int round = 0; round < 20; ++round) {
       std::string damaged = bytes.substr(0, next() % bytes.size());
       if (round % 2 == 0) damaged = bytes;

@@ -2,11 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <regex>
 
 #include "client/io/file_bytes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -46,8 +46,7 @@ class UsdWriterTest : public ::testing::Test {
     return ControlMesh::Create(V, F, {{{0, 2}}, {1, 3}}).value();
   }
   static std::string Written(const MeshSequence& sequence, const SceneSettings& settings = {}) {
-    const std::string path =
-        ::testing::TempDir() + "sequence_" + std::to_string(getpid()) + ".usda";
+    const std::string path = cagefit::testing::TempFolder() + "sequence.usda";
     EXPECT_EQ(WriteUsd(path, sequence, settings), absl::OkStatus());
     return ReadFileBytes(path, 1 << 20).value();
   }

@@ -1,7 +1,6 @@
 #include "client/report/html_report.h"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <list>
@@ -14,6 +13,7 @@
 #include "core/subdiv/limit.h"
 #include "tests/client/report/page_reader.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -34,7 +34,7 @@ int Count(const std::string& text, const std::string& what) {
 // A drum with creases round both ends that grows, and its targets: frame 2 was refused.
 class HtmlReportTest : public ::testing::Test {
  protected:
-  HtmlReportTest() : folder_(absl::StrCat(::testing::TempDir(), "html_report_", getpid())) {
+  HtmlReportTest() : folder_(cagefit::testing::TempFolder() + "html_report") {
     EXPECT_EQ(MakeFolder(folder_), absl::OkStatus());
     const TriangleMesh drum = testing::Drum(3);
     CreaseTags tags;

@@ -1,13 +1,13 @@
 #include "client/report/scene.h"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <list>
 
 #include "absl/strings/str_cat.h"
 #include "client/io/geometry_file.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -29,7 +29,7 @@ class SceneTest : public ::testing::Test {
     PointCloud cloud;
     cloud.points = points.cast<float>();
     const std::string path =
-        absl::StrCat(::testing::TempDir(), "scene_", getpid(), "_", files_++, ".ply");
+        absl::StrCat(cagefit::testing::TempFolder(), "scene_", files_++, ".ply");
     EXPECT_EQ(WriteCloud(path, cloud), absl::OkStatus());
     return path;
   }
