@@ -26,6 +26,18 @@ namespace {
 constexpr int kPollMs = 20;
 constexpr size_t kStderrBytes = 2000;
 
+// AddressSanitizer reserves terabytes of addresses for what it notes.
+#ifdef __has_feature
+#define CAGEFIT_HAS_FEATURE(name) __has_feature(name)
+#else
+#define CAGEFIT_HAS_FEATURE(name) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || CAGEFIT_HAS_FEATURE(address_sanitizer)
+constexpr bool kCanLimitAddresses = false;
+#else
+constexpr bool kCanLimitAddresses = true;
+#endif
+
 // Between fork and exec, in a process that had other threads: system calls only.
 [[noreturn]] void ExecChild(char* const* arguments, int stderr_fd, const ChildLimits& limits,
                             pid_t parent) {
@@ -37,8 +49,9 @@ constexpr size_t kStderrBytes = 2000;
   sigprocmask(SIG_SETMASK, &none, nullptr);  // the server blocks SIGTERM for itself
   signal(SIGPIPE, SIG_DFL);
 
-  const rlim_t memory =
-      limits.max_memory_bytes > 0 ? static_cast<rlim_t>(limits.max_memory_bytes) : RLIM_INFINITY;
+  const rlim_t memory = kCanLimitAddresses && limits.max_memory_bytes > 0
+                            ? static_cast<rlim_t>(limits.max_memory_bytes)
+                            : RLIM_INFINITY;
   const rlimit memory_limit = {memory, memory};
   // Every core may be busy all the time: this only stops what outlives its parent's clock.
   const rlim_t seconds = static_cast<rlim_t>(absl::ToInt64Seconds(limits.max_time) + 1) *
