@@ -141,7 +141,7 @@ absl::Status FitJob::OpenSession(const v1::CreateSessionRequest& request) {
 absl::Status FitJob::Stream() {
   ResumeOptions options;
   if (arguments_.latest) options.mode = v1::FRAME_MODE_LATEST;
-  options.retry.give_up_after = absl::Seconds(arguments_.give_up);
+  options.retry = Retry();
   options.on_break = [this](const absl::Status& status) {
     if (std::exchange(is_trying_, true)) return;
     std::cerr << "cagefit: the stream broke (" << status.message() << "); trying again\n";
@@ -186,9 +186,13 @@ absl::Status FitJob::TakeEarlier(uint64_t count) {
     if (!frame.status.ok()) ReadVisit(visit, *file);  // for what is wrong with the file itself
     return Take(std::move(frame)).status();
   };
+  return client_->GetReplies(request, take, Retry());
+}
+
+RetryOptions FitJob::Retry() const {
   RetryOptions retry;
   retry.give_up_after = absl::Seconds(arguments_.give_up);
-  return client_->GetReplies(request, take, retry);
+  return retry;
 }
 
 void FitJob::SendAll(uint64_t begin) {

@@ -58,6 +58,7 @@ class FitJob {
   absl::StatusOr<v1::CreateSessionRequest> SessionRequest();
   absl::Status OpenSession(const v1::CreateSessionRequest& request);
   absl::Status Stream();
+  RetryOptions Retry() const;
   absl::Status TakeEarlier(uint64_t count);
   void SendAll(uint64_t begin);
   absl::Status ReceiveAll(uint64_t begin);

@@ -17,6 +17,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "core/base/sanitizer.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
 
@@ -27,16 +28,7 @@ constexpr int kPollMs = 20;
 constexpr size_t kStderrBytes = 2000;
 
 // AddressSanitizer reserves terabytes of addresses for what it notes.
-#ifdef __has_feature
-#define CAGEFIT_HAS_FEATURE(name) __has_feature(name)
-#else
-#define CAGEFIT_HAS_FEATURE(name) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || CAGEFIT_HAS_FEATURE(address_sanitizer)
-constexpr bool kCanLimitAddresses = false;
-#else
-constexpr bool kCanLimitAddresses = true;
-#endif
+constexpr bool kCanLimitAddresses = CAGEFIT_ADDRESS_SANITIZER == 0;
 
 // Between fork and exec, in a process that had other threads: system calls only.
 [[noreturn]] void ExecChild(char* const* arguments, int stderr_fd, const ChildLimits& limits,

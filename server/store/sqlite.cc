@@ -115,16 +115,14 @@ SqliteDatabase::SqliteDatabase(std::string path, sqlite3* connection)
 
 SqliteDatabase::~SqliteDatabase() = default;  // statements first
 
-absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::string& path) {
+absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(
+    const std::string& path, std::optional<SqliteJournalMode> mode) {
   RETURN_IF_ERROR(MakeFile(path));
-  struct statfs status = {};
-  if (statfs(path.c_str(), &status) != 0) return StoreUnavailable(std::strerror(errno));
-  return Open(path, JournalModeOn(status.f_type));
-}
-
-absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::string& path,
-                                                                     SqliteJournalMode mode) {
-  RETURN_IF_ERROR(MakeFile(path));
+  if (!mode.has_value()) {
+    struct statfs status = {};
+    if (statfs(path.c_str(), &status) != 0) return StoreUnavailable(std::strerror(errno));
+    mode = JournalModeOn(status.f_type);
+  }
   const int64_t bytes = SizeOf(path), log_bytes = SizeOf(path + "-wal") + SizeOf(path + "-journal");
   sqlite3* connection = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &connection,
@@ -133,7 +131,7 @@ absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::
   if (code != SQLITE_OK) return database->Error(code);
   sqlite3_extended_result_codes(connection, 1);
   sqlite3_busy_timeout(connection, kBusyMs);
-  RETURN_IF_ERROR(database->SetJournalMode(mode));
+  RETURN_IF_ERROR(database->SetJournalMode(*mode));
   // SQLite takes what is missing of the last page for zeros. With a log or a rollback journal, the
   // page may be there.
   ASSIGN_OR_RETURN(const int64_t page_bytes, database->Number("PRAGMA page_size"));

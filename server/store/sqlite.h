@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/store/database.h"
@@ -15,7 +16,7 @@ namespace cagefit::server {
 
 // What makes a commit whole. With a log it is written once and synced once, but all processes that
 // have the file open share memory, so they have to be on one machine. With a rollback journal it is
-// written twice and synced three times, and machines keep out of each other's way by locks alone.
+// written twice and synced more often, and machines keep out of each other's way by locks alone.
 enum class SqliteJournalMode { kWriteAheadLog, kRollback };
 
 // kWriteAheadLog on the file systems of one machine: those that are known, by the type that
@@ -26,11 +27,9 @@ class SqliteDatabase final : public Database {
  public:
   // Opens or makes the file, which only its owner may read. Commits are durable when they return
   // (synchronous FULL). A file that was opened in the other mode before changes to this one, and is
-  // UNAVAILABLE while another process has it open.
-  static absl::StatusOr<std::unique_ptr<SqliteDatabase>> Open(const std::string& path,
-                                                              SqliteJournalMode mode);
-  // In the mode that suits the file system it is on.
-  static absl::StatusOr<std::unique_ptr<SqliteDatabase>> Open(const std::string& path);
+  // UNAVAILABLE while another process has it open. Without `mode`, the file system's.
+  static absl::StatusOr<std::unique_ptr<SqliteDatabase>> Open(
+      const std::string& path, std::optional<SqliteJournalMode> mode = std::nullopt);
   ~SqliteDatabase() override;
   SqliteDatabase(const SqliteDatabase&) = delete;
   SqliteDatabase& operator=(const SqliteDatabase&) = delete;

@@ -13,11 +13,11 @@
 #include <iterator>
 #include <random>
 
+#include "core/base/sanitizer.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/mutation.h"
-#include "tests/support/sanitizer.h"
 
-#ifdef CAGEFIT_ADDRESS_SANITIZER
+#if CAGEFIT_ADDRESS_SANITIZER
 extern "C" void __sanitizer_set_death_callback(void (*callback)());
 #endif
 
@@ -58,7 +58,7 @@ void WriteSeed() {
 
 // The sanitizer handles signals itself, and better.
 void ReportCrashes() {
-#ifdef CAGEFIT_ADDRESS_SANITIZER
+#if CAGEFIT_ADDRESS_SANITIZER
   __sanitizer_set_death_callback(WriteSeed);
 #else
   struct sigaction action = {};

@@ -206,8 +206,7 @@ absl::Status CheckSpread(const Farm& farm) {
     for (const SoakServer& replica : farm.replicas()) each.push_back(replica.CpuSeconds());
     return each;
   };
-  std::vector<double> work = seconds();
-  for (double& of_replica : work) of_replica = -of_replica;
+  const std::vector<double> before = seconds();
   for (int k = 0; k < 20 * static_cast<int>(farm.replicas().size()); ++k) {
     Resumption run;
     run.address = farm.address();
@@ -216,8 +215,8 @@ absl::Status CheckSpread(const Farm& farm) {
     run.seen = [](const History::Event&) {};
     RETURN_IF_ERROR(StreamToEnd(run));
   }
-  const std::vector<double> after = seconds();
-  for (size_t k = 0; k < work.size(); ++k) work[k] += after[k];
+  std::vector<double> work = seconds();
+  for (size_t k = 0; k < work.size(); ++k) work[k] -= before[k];
   const std::string text =
       absl::StrCat("seconds of work of the replicas: ", absl::StrJoin(work, ", "));
   std::cout << text << "\n";

@@ -1,31 +1,14 @@
-// Whether this is compiled with a sanitizer, by GCC, which defines macros, or clang, which has
-// features.
+// What a sanitizer costs.
 #ifndef CAGEFIT_TESTS_SUPPORT_SANITIZER_H_
 #define CAGEFIT_TESTS_SUPPORT_SANITIZER_H_
 
-#ifdef __has_feature
-#define CAGEFIT_HAS_FEATURE(name) __has_feature(name)
-#else
-#define CAGEFIT_HAS_FEATURE(name) 0
-#endif
-
-#if defined(__SANITIZE_ADDRESS__) || CAGEFIT_HAS_FEATURE(address_sanitizer)
-#define CAGEFIT_ADDRESS_SANITIZER 1
-#endif
-#if defined(__SANITIZE_THREAD__) || CAGEFIT_HAS_FEATURE(thread_sanitizer)
-#define CAGEFIT_THREAD_SANITIZER 1
-#endif
+#include "core/base/sanitizer.h"
 
 namespace cagefit::testing {
 
+inline constexpr bool kIsSanitized = CAGEFIT_ADDRESS_SANITIZER || CAGEFIT_THREAD_SANITIZER;
 // Of memory and time, beside what they are without.
-#if defined(CAGEFIT_ADDRESS_SANITIZER) || defined(CAGEFIT_THREAD_SANITIZER)
-inline constexpr bool kIsSanitized = true;
-inline constexpr double kCostFactor = 20;
-#else
-inline constexpr bool kIsSanitized = false;
-inline constexpr double kCostFactor = 1;
-#endif
+inline constexpr double kCostFactor = kIsSanitized ? 20 : 1;
 
 }  // namespace cagefit::testing
 
