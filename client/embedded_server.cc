@@ -4,22 +4,22 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/private_folder.h"
 #include "core/base/status.h"
 #include "server/log.h"
 #include "server/server.h"
-#include "server/session/private_folder.h"
 
 namespace cagefit::client {
 
 struct EmbeddedServer::Parts {
-  server::PrivateFolder folder;  // outlives the server, whose socket is in it
+  PrivateFolder folder;  // outlives the server, whose socket is in it
   std::unique_ptr<server::Server> server;
   std::string address;
 };
 
 absl::StatusOr<std::unique_ptr<EmbeddedServer>> EmbeddedServer::Start(int threads,
                                                                       const std::string& store) {
-  ASSIGN_OR_RETURN(server::PrivateFolder folder, server::PrivateFolder::Create());
+  ASSIGN_OR_RETURN(PrivateFolder folder, PrivateFolder::Create());
   server::ServerOptions options;
   const std::string address = absl::StrCat("unix:", folder.path(), "/socket");
   options.listen = {address};

@@ -35,7 +35,7 @@ PointCloud CaptureFrame(const SynthShape& shape, int frame, const CaptureOptions
   cloud.normals.resize(3, options.points);
   for (int64_t i = 0; i < options.points; ++i) {
     if (random.Uniform() < options.outliers) {
-      const Eigen::Vector3d share(random.Uniform(), random.Uniform(), random.Uniform());
+      const Eigen::Vector3d share = random.UniformVector();
       const Eigen::Vector3d middle = 0.5 * (box.min + box.max);
       cloud.points.col(i) =
           (middle + kOutlierBox * (share.array() - 0.5).matrix().cwiseProduct(box.size()))

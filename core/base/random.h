@@ -19,7 +19,13 @@ class Random {
   // Standard normal (Box-Muller).
   double Normal() {
     constexpr double kTwoPi = 6.283185307179586;
-    return std::sqrt(-2 * std::log(1 - Uniform())) * std::cos(kTwoPi * Uniform());
+    const double u = Uniform(), v = Uniform();
+    return std::sqrt(-2 * std::log(1 - u)) * std::cos(kTwoPi * v);
+  }
+  // The vectors' coordinates are drawn in their order, whatever the compiler.
+  Eigen::Vector3d UniformVector() {
+    const double x = Uniform(), y = Uniform(), z = Uniform();
+    return {x, y, z};
   }
   Eigen::Vector3d NormalVector() {
     const double x = Normal(), y = Normal(), z = Normal();

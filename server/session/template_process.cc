@@ -10,10 +10,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "core/base/private_folder.h"
 #include "core/base/status.h"
 #include "server/session/error_detail.h"
 #include "server/session/obj_reader.h"
-#include "server/session/private_folder.h"
 
 namespace cagefit::server {
 namespace {

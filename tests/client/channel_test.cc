@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 
 namespace cagefit::client {
 namespace {
@@ -24,7 +24,7 @@ class ChannelTest : public ::testing::Test {
     return OpenChannel("localhost:1", credentials, grpc::ChannelArguments()).status();
   }
 
-  server::PrivateFolder folder_ = server::PrivateFolder::Create().value();
+  PrivateFolder folder_ = PrivateFolder::Create().value();
 };
 
 TEST_F(ChannelTest, ATokenFileHoldsATokenAlone) {

@@ -19,8 +19,8 @@
 #include "absl/strings/str_cat.h"
 #include "cagefit/v1/fitting.grpc.pb.h"
 #include "client/fit_client.h"
+#include "core/base/private_folder.h"
 #include "core/codec/vertex_delta.h"
-#include "server/session/private_folder.h"
 
 namespace cagefit::client::testing {
 
@@ -173,7 +173,7 @@ class FakeFitting : public v1::Fitting::Service {
   }
 
   const Breaks breaks_;
-  server::PrivateFolder folder_ = server::PrivateFolder::Create().value();
+  PrivateFolder folder_ = PrivateFolder::Create().value();
   mutable std::mutex mutex_;
   std::vector<Stored> answers_;
   int epoch_ = 0;

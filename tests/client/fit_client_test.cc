@@ -3,14 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 #include "tests/client/fake_fitting.h"
 
 namespace cagefit::client {
 namespace {
 
 TEST(FitClientTest, NamesAnAddressWhereNobodyAnswers) {
-  const auto folder = server::PrivateFolder::Create();
+  const auto folder = PrivateFolder::Create();
   ASSERT_TRUE(folder.ok()) << folder.status();
   const std::string address = "unix:" + folder->path() + "/nobody";
   const auto client = FitClient::Connect({address, absl::Milliseconds(50)});

@@ -14,9 +14,9 @@
 #include "client/fit_client.h"
 #include "client/mesh_from_proto.h"
 #include "client/status_from_grpc.h"
+#include "core/base/private_folder.h"
 #include "server/log.h"
 #include "server/server.h"
-#include "server/session/private_folder.h"
 #include "tests/support/frames.h"
 
 namespace cagefit::server::testing {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "client/credentials.h"
+#include "core/base/private_folder.h"
 #include "server/server_options.h"
-#include "server/session/private_folder.h"
 #include "tests/support/certificates.h"
 
 namespace cagefit::server::testing {

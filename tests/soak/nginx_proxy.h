@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 #include "tests/e2e/program.h"
 
 namespace cagefit::testing {
@@ -23,7 +23,7 @@ class NginxProxy {
   absl::Status Start();
 
  private:
-  const server::PrivateFolder folder_ = server::PrivateFolder::Create().value();
+  const PrivateFolder folder_ = PrivateFolder::Create().value();
   const std::string address_;
   std::unique_ptr<RunningProgram> running_;
 };

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <future>
 
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 
 namespace cagefit::server {
 namespace {

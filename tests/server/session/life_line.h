@@ -10,7 +10,7 @@
 
 #include <string>
 
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 
 namespace cagefit::server::testing {
 

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "absl/strings/str_cat.h"
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 #include "tests/server/session/session_fixture.h"
 
 namespace cagefit::server {

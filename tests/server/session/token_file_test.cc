@@ -8,7 +8,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/time/clock.h"
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 
 namespace cagefit::server {
 namespace {

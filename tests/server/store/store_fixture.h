@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 #include "server/store/postgres.h"
 #include "server/store/sql_journal.h"
 #include "server/store/sqlite.h"

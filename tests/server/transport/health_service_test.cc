@@ -7,7 +7,7 @@
 #include <future>
 #include <thread>
 
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 #include "tests/server/transport/service_fixture.h"
 
 namespace cagefit::server {

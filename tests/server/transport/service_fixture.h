@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 #include "server/transport/service.h"
 #include "server/transport/status_convert.h"
 #include "tests/server/session/session_fixture.h"

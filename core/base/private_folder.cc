@@ -1,4 +1,4 @@
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace cagefit::server {
+namespace cagefit {
 
 absl::StatusOr<PrivateFolder> PrivateFolder::Create() {
   const char* parent = getenv("TMPDIR");
@@ -29,4 +29,4 @@ PrivateFolder::~PrivateFolder() {
   if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
 }
 
-}  // namespace cagefit::server
+}  // namespace cagefit

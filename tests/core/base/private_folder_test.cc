@@ -1,4 +1,4 @@
-#include "server/session/private_folder.h"
+#include "core/base/private_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-namespace cagefit::server {
+namespace cagefit {
 namespace {
 
 using ::testing::HasSubstr;
@@ -83,4 +83,4 @@ TEST(PrivateFolderTest, NamesThePathThatCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace cagefit::server
+}  // namespace cagefit

@@ -1,12 +1,12 @@
 // A folder that only this user may enter, removed with everything in it.
-#ifndef CAGEFIT_SERVER_SESSION_PRIVATE_FOLDER_H_
-#define CAGEFIT_SERVER_SESSION_PRIVATE_FOLDER_H_
+#ifndef CAGEFIT_CORE_BASE_PRIVATE_FOLDER_H_
+#define CAGEFIT_CORE_BASE_PRIVATE_FOLDER_H_
 
 #include <string>
 
 #include "absl/status/statusor.h"
 
-namespace cagefit::server {
+namespace cagefit {
 
 class PrivateFolder {
  public:
@@ -23,6 +23,6 @@ class PrivateFolder {
   std::string path_;  // empty once moved from
 };
 
-}  // namespace cagefit::server
+}  // namespace cagefit
 
-#endif  // CAGEFIT_SERVER_SESSION_PRIVATE_FOLDER_H_
+#endif  // CAGEFIT_CORE_BASE_PRIVATE_FOLDER_H_
