@@ -13,7 +13,30 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/sanitizer.h"
+#if CAGEFIT_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace cagefit {
+
+// Tells ThreadSanitizer the order that a parallel loop keeps, which it cannot see inside oneTBB:
+// what came before the loop, then every chunk, then what comes after. Chunks have none.
+class LoopOrder {
+ public:
+#if CAGEFIT_THREAD_SANITIZER
+  LoopOrder() { __tsan_release(&begin_); }
+  ~LoopOrder() { __tsan_acquire(&end_); }
+  void BeginChunk() { __tsan_acquire(&begin_); }
+  void EndChunk() { __tsan_release(&end_); }
+
+ private:
+  char begin_ = 0, end_ = 0;
+#else
+  void BeginChunk() {}
+  void EndChunk() {}
+#endif
+};
 
 // Calls body(begin, end) for consecutive chunks of [0, count), concurrently.
 template <typename Body>
@@ -24,12 +47,15 @@ void ParallelFor(int64_t count, int64_t grain, const Body& body) {
     body(int64_t{0}, count);
     return;
   }
+  LoopOrder order;
   tbb::parallel_for(
       tbb::blocked_range<int64_t>(0, chunks, 1),
       [&](const tbb::blocked_range<int64_t>& range) {
+        order.BeginChunk();
         for (int64_t c = range.begin(); c < range.end(); ++c) {
           body(c * grain, std::min(count, (c + 1) * grain));
         }
+        order.EndChunk();
       },
       tbb::simple_partitioner());
 }
