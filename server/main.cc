@@ -1,7 +1,6 @@
 // cagefitd: serves until SIGTERM or SIGINT, then drains; a second signal ends it at once.
 #include <errno.h>
 #include <google/protobuf/stubs/logging.h>
-#include <malloc.h>
 #include <semaphore.h>
 #include <signal.h>
 
@@ -15,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "server/log.h"
+#include "server/process_memory.h"
 #include "server/server.h"
 #include "server/server_options.h"
 
@@ -100,15 +100,8 @@ int Run(const ServerOptions& options) {
 }  // namespace
 }  // namespace cagefit::server
 
-// Memory that is given back goes back to the machine: large blocks one by one, the rest from few
-// arenas. By default the C library keeps what each of many threads has once used.
-void SetUpAllocator() {
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
-  mallopt(M_ARENA_MAX, 4);
-}
-
 int main(int argc, char** argv) try {
-  SetUpAllocator();
+  cagefit::server::SetUpAllocator();
   // gRPC writes to standard error for itself; what matters comes as a status.
   setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
   // Nor may a client write there, line by line, with strings that are not UTF-8.

@@ -2,14 +2,13 @@
 
 #include <prometheus/metric_family.h>
 #include <prometheus/text_serializer.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "core/base/instruction_set.h"
+#include "server/process_memory.h"
 #include "server/session/metrics.h"
 
 namespace cagefit::server {
@@ -61,12 +60,6 @@ ClientMetric Read(const LatencyHistogram& histogram, Labels labels) {
   metric.histogram.sample_count = cumulative;
   metric.histogram.sample_sum = histogram.Seconds();
   return metric;
-}
-
-double ResidentBytes() {
-  double pages = 0;
-  std::ifstream("/proc/self/statm") >> pages >> pages;  // size, then what is resident
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 std::vector<MetricFamily> FrameFamilies(const Metrics& m) {
@@ -122,7 +115,7 @@ std::vector<MetricFamily> ServerFamilies(const ServiceState& state, const Readin
           Gauges("cagefit_in_flight_bytes", "Held by unanswered frames and unsent results.",
                  {{number(state.budget->taken())}}),
           Gauges("process_resident_memory_bytes", "Resident memory of the process.",
-                 {{ResidentBytes()}})};
+                 {{static_cast<double>(ResidentBytes())}})};
 }
 
 std::string MetricsText(const ServiceState& state, const Readiness& readiness,

@@ -16,6 +16,7 @@
 #include "server/machine_memory.h"
 #include "server/metrics_port.h"
 #include "server/network.h"
+#include "server/process_memory.h"
 #include "server/server_access.h"
 #include "server/session/metrics.h"
 #include "server/session/readiness.h"
@@ -63,8 +64,7 @@ int64_t QuotaBytes(const ServerOptions& options) {
   return std::min(kNetworkQuotaBytes, MaxMemoryBytes(options) / 8);
 }
 
-// What is counted may take: connections have theirs, and what the allocator holds between was seen
-// to be up to a tenth.
+// What is counted may take: connections have theirs, and the allocator holds some between.
 int64_t CountedBytes(const ServerOptions& options) {
   return (MaxMemoryBytes(options) - QuotaBytes(options) - kBaseBytes) / 20 * 17;
 }
@@ -88,16 +88,6 @@ std::string TemplateProgram(const ServerOptions& options) {
   return (self.parent_path() / "cagefit").string();
 }
 
-// AddressSanitizer, which the child then has too, maps terabytes of address space.
-int64_t TemplateMemoryBytes(const ServerOptions& options) {
-#ifdef __SANITIZE_ADDRESS__
-  static_cast<void>(options);
-  return 0;
-#else
-  return options.template_memory_mib << 20;
-#endif
-}
-
 const RecordCodec* Codec() {
   static const ProtoRecordCodec* const codec = new ProtoRecordCodec;
   return codec;
@@ -111,8 +101,10 @@ struct Server::Parts {
       : access(std::move(access_of_options)),
         threads(tbb::global_control::max_allowed_parallelism, Threads(options)),
         templates(TemplateProgram(options),
-                  {TemplateMemoryBytes(options), absl::Seconds(options.template_seconds)}),
-        memory("memory of the server", CountedBytes(options)),
+                  {options.template_memory_mib << 20, absl::Seconds(options.template_seconds)}),
+        resident(CountedBytes(options) + kBaseBytes),
+        memory("memory of the server", CountedBytes(options),
+               [this](int64_t bytes) { resident.MakeRoom(bytes); }),
         session_memory("memory of sessions", memory.limit() / 4 * 3, &memory),
         budget("bytes in flight of all calls",
                std::min(options.max_buffered_mib << 20, memory.limit() / 2), &memory),
@@ -129,6 +121,7 @@ struct Server::Parts {
   tbb::global_control threads;
   TemplateProcess templates;
   std::unique_ptr<Journal> journal;
+  ResidentLimit resident;
   // Neither can take all: frames can arrive whatever sessions hold, and the other way round.
   MemoryAccount memory, session_memory, budget;
   std::optional<SessionStore> store;

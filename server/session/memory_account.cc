@@ -21,6 +21,7 @@ absl::Status MemoryAccount::Take(int64_t bytes) {
     status = parent_->Take(bytes);
   }
   if (!status.ok()) taken_.fetch_sub(bytes);
+  if (status.ok() && taken_fn_) taken_fn_(bytes);
   return status;
 }
 

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -15,9 +16,14 @@ namespace cagefit::server {
 // Thread-safe.
 class MemoryAccount {
  public:
+  // Called with bytes that were taken, by the thread that will allocate them.
+  using TakenFn = std::function<void(int64_t)>;
+
   // `name` says what is counted, for errors. `parent` counts it, too, and must outlive the account.
   MemoryAccount(std::string name, int64_t limit, MemoryAccount* parent = nullptr)
       : name_(std::move(name)), limit_(limit), parent_(parent) {}
+  MemoryAccount(std::string name, int64_t limit, TakenFn taken)
+      : name_(std::move(name)), limit_(limit), taken_fn_(std::move(taken)) {}
   MemoryAccount(const MemoryAccount&) = delete;
   MemoryAccount& operator=(const MemoryAccount&) = delete;
 
@@ -32,7 +38,8 @@ class MemoryAccount {
  private:
   const std::string name_;
   const int64_t limit_;
-  MemoryAccount* const parent_;
+  MemoryAccount* const parent_ = nullptr;
+  const TakenFn taken_fn_;
   std::atomic<int64_t> taken_{0};
 };
 

@@ -22,6 +22,17 @@ TEST(MemoryAccountTest, GivesUpToItsLimitAndNamesIt) {
   EXPECT_EQ(account.Take(40), absl::OkStatus());
 }
 
+TEST(MemoryAccountTest, TellsWhatWasTakenFromItOrFromItsChildren) {
+  std::vector<int64_t> told;
+  MemoryAccount account("memory", 100, [&told](int64_t bytes) { told.push_back(bytes); });
+  MemoryAccount child("part", 50, &account);
+  EXPECT_EQ(account.Take(60), absl::OkStatus());
+  EXPECT_EQ(child.Take(30), absl::OkStatus());
+  EXPECT_FALSE(child.Take(30).ok());  // beyond its own limit
+  EXPECT_FALSE(child.Take(11).ok());  // beyond its parent's
+  EXPECT_EQ(told, std::vector<int64_t>({60, 30}));
+}
+
 TEST(MemoryReservationTest, GivesBackWhatItGrewTo) {
   MemoryAccount account("memory", 100);
   {
