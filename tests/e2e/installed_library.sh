@@ -15,7 +15,7 @@ done
 # The sources must not be needed: they are copied away from the tree.
 cp -r "$source/client/example" "$folder/example"
 cmake -S "$folder/example" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$folder/prefix" >/dev/null
-cmake --build "$folder/build" >/dev/null
+cmake --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }
 
 "$folder/prefix/bin/cagefitd" --listen 127.0.0.1:0 --store memory >"$folder/address" 2>"$folder/log" &
 server=$!

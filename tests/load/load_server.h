@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/e2e/program.h"
+#include "tests/support/sanitizer.h"
 
 namespace cagefit::testing {
 
@@ -26,6 +27,10 @@ class LoadServer {
   int64_t resident_bytes() { return ResidentBytes(server_.program().pid()); }
   // The most since the start, or since ForgetPeak.
   int64_t peak_bytes() const { return peak_; }
+  // Whether it never had more; with a sanitizer, times what that costs.
+  bool HasStayedBelow(int64_t bytes) const {
+    return static_cast<double>(peak_bytes()) <= kCostFactor * static_cast<double>(bytes);
+  }
   void ForgetPeak() { peak_ = 0; }
 
  private:

@@ -111,7 +111,7 @@ int Run(const Settings& settings) {
             << " MiB; afterwards a first frame took " << recovery << "\n";
   for (const std::string& wrong : tally.wrong) std::cerr << "not a refusal: " << wrong << "\n";
   const bool is_good = tally.wrong.empty() && tally.fitted > 0 && tally.refused > 0 &&
-                       server.peak_bytes() <= int64_t{settings.max_memory} << 20 &&
+                       server.HasStayedBelow(int64_t{settings.max_memory} << 20) &&
                        recovery < absl::Seconds(2);
   return is_good ? 0 : 1;
 }

@@ -81,7 +81,8 @@ TEST(AdamTest, KeepsTheIterateOfLeastEnergy) {
   ASSERT_TRUE(wild.ok());
   EXPECT_EQ(wild->iterations, 20);
   EXPECT_EQ(V, minimum);
-  EXPECT_EQ(wild->final.total(), wild->initial.total());
+  // Rotations begin where the last ones were, and so end elsewhere by rounding.
+  EXPECT_NEAR(wild->final.total(), wild->initial.total(), 1e-12 * wild->initial.total());
 }
 
 TEST(AdamTest, EndsAfterAWindowThatLoweredTheEnergyByTooLittle) {
