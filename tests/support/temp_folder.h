@@ -2,27 +2,17 @@
 #ifndef CAGEFIT_TESTS_SUPPORT_TEMP_FOLDER_H_
 #define CAGEFIT_TESTS_SUPPORT_TEMP_FOLDER_H_
 
-#include <unistd.h>
-
-#include <filesystem>
 #include <string>
-#include <system_error>
+
+#include "core/base/private_folder.h"
 
 namespace cagefit::testing {
 
 // Ends with a slash; made by the first call, removed with all in it when the process ends.
 inline const std::string& TempFolder() {
-  struct Folder {
-    Folder() { std::filesystem::create_directories(path); }
-    ~Folder() {
-      std::error_code ignored;
-      if (getpid() == owner) std::filesystem::remove_all(path, ignored);  // no child's
-    }
-    const pid_t owner = getpid();
-    const std::string path = "/tmp/cagefit_test." + std::to_string(owner) + "/";
-  };
-  static const Folder folder;
-  return folder.path;
+  static const PrivateFolder folder = PrivateFolder::Create().value();
+  static const std::string path = folder.path() + "/";
+  return path;
 }
 
 }  // namespace cagefit::testing
