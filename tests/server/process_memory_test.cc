@@ -7,17 +7,19 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "tests/server/running_server.h"
 #include "tests/support/sanitizer.h"
 
 namespace cagefit::server {
 namespace {
 
-constexpr int64_t kBlockBytes = 64 << 10, kBlocks = 1024;
+constexpr int64_t kBlockBytes = 64 << 10, kMib = 1 << 20;
 
-// Used blocks, each behind one that was freed: 64 MiB that the allocator cannot cut off at an end.
-std::vector<std::unique_ptr<char[]>> SpreadBlocks() {
+// Used blocks, each behind one that was freed: as much again that the allocator cannot cut off at
+// an end.
+std::vector<std::unique_ptr<char[]>> SpreadBlocks(int64_t bytes = 64 * kMib) {
   std::vector<std::unique_ptr<char[]>> used, freed;
-  for (int64_t k = 0; k < kBlocks; ++k) {
+  for (int64_t k = 0; k < bytes / kBlockBytes; ++k) {
     for (auto* blocks : {&freed, &used}) {
       blocks->push_back(std::make_unique<char[]>(kBlockBytes));
       std::memset(blocks->back().get(), 1, kBlockBytes);
@@ -29,7 +31,7 @@ std::vector<std::unique_ptr<char[]>> SpreadBlocks() {
 class ResidentLimitTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (testing::kIsSanitized) GTEST_SKIP() << "a sanitizer has its own allocator";
+    if (cagefit::testing::kIsSanitized) GTEST_SKIP() << "a sanitizer has its own allocator";
   }
 };
 
@@ -38,9 +40,9 @@ TEST_F(ResidentLimitTest, GivesFreedBlocksBackBeforeMoreIsAllocatedThanThereIsRo
   const int64_t before = ResidentBytes();
   ResidentLimit limit(before + 1'000'000'000);
   EXPECT_FALSE(limit.MakeRoom(900'000'000));
-  EXPECT_GT(ResidentBytes(), before - kBlockBytes * kBlocks / 10);
+  EXPECT_GT(ResidentBytes(), before - 64 * kMib / 10);
   EXPECT_TRUE(limit.MakeRoom(1'000'000'001));
-  EXPECT_LT(ResidentBytes(), before - kBlockBytes * kBlocks * 9 / 10);
+  EXPECT_LT(ResidentBytes(), before - 64 * kMib * 9 / 10);
 }
 
 TEST_F(ResidentLimitTest, DoesNotTryAllTheTimeWhereAllIsUsed) {
@@ -57,6 +59,16 @@ TEST_F(ResidentLimitTest, DoesNotTryAllTheTimeWhereAllIsUsed) {
   }
   EXPECT_GT(trying, absl::ZeroDuration());
   EXPECT_LT(trying, 0.3 * (now - start));
+}
+
+TEST_F(ResidentLimitTest, IsKeptByAServerThatIsAskedForMore) {
+  ServerOptions options;
+  options.max_memory_mib = 256;
+  const testing::RunningServer server(options);
+  const auto used = SpreadBlocks(128 * kMib);
+  ASSERT_GT(ResidentBytes(), 256 * kMib);
+  EXPECT_TRUE(server.Connect()->CreateSession(testing::CageRequest()).ok());
+  EXPECT_LT(ResidentBytes(), 256 * kMib);
 }
 
 }  // namespace
