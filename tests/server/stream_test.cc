@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <set>
 #include <thread>
 #include <vector>
 
@@ -47,8 +46,6 @@ OutgoingFrame Png(uint64_t number) {
   frame.draco = std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) + std::string(1000, 'x');
   return frame;
 }
-
-// ---- Frames ----
 
 class StreamTest : public ::testing::Test {
  protected:
@@ -391,54 +388,6 @@ TEST_F(StreamTest, TwoClientsOnTwoSessionsDoNotDisturbEachOther) {
       EXPECT_EQ(frames[k].control_vertices, alone[k].control_vertices) << k;
     }
   }
-}
-
-// ---- Long sequences: what the client adds up is what the server has ----
-
-class SequenceTest : public StreamTest {
- protected:
-  void SetUp() override {}
-
-  void ExpectTheServersBits(const v1::SessionOptions& options, uint64_t count,
-                            const std::set<uint64_t>& checked) {
-    v1::CreateSessionRequest request = CageRequest();
-    *request.mutable_options() = options;
-    StartSession(request);
-    const auto frames = FitMovingFrames(stream_.get(), 0, count);
-    uint64_t keys = 0;
-    for (uint64_t number = 0; number < count; ++number) {
-      ASSERT_EQ(frames[number].reply.outcome(), v1::OUTCOME_FITTED) << number;
-      ASSERT_EQ(frames[number].reply.sequence_number(), number);
-      keys += frames[number].reply.delta().key();
-    }
-    const uint64_t interval = options.quantum() > 0 ? options.key_interval() : 1;
-    EXPECT_EQ(keys, (count + interval - 1) / interval);
-    for (const uint64_t number : checked) {
-      EXPECT_EQ(frames[number].control_vertices, ServersVertices(number)) << number;
-    }
-    EXPECT_EQ(frames.back().control_vertices, client_->GetControlMesh(MeshOf(id_))->vertices());
-  }
-};
-
-TEST_F(SequenceTest, ReproducesTheServersVerticesOverAThousandFrames) {
-  v1::SessionOptions options;
-  options.set_quantum(1e-5);
-  options.set_key_interval(400);
-  ExpectTheServersBits(options, 1000, {0, 1, 2, 399, 400, 401, 750, 998, 999});
-}
-
-TEST_F(SequenceTest, ReproducesTheServersVerticesFromDraco) {
-  v1::SessionOptions options;
-  options.set_quantum(1e-5);
-  options.set_key_interval(20);
-  options.set_delta_encoding(v1::DELTA_ENCODING_DRACO);
-  ExpectTheServersBits(options, 50, {0, 1, 19, 20, 33, 49});
-}
-
-TEST_F(SequenceTest, ReproducesTheServersVerticesWithoutAQuantum) {
-  v1::SessionOptions options;
-  options.set_quantum(0);
-  ExpectTheServersBits(options, 50, {0, 1, 19, 20, 33, 49});
 }
 
 }  // namespace
